@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+#include "core/alloc.h"
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+static long countdown; /* only touched by the tests that make allocations fail */
+
+void skf_alloc_fail_after(long k) { countdown = k; }
+
+static bool refused(size_t n, size_t size) {
+  if (countdown > 0 && --countdown == 0) return true;
+  return size != 0 && n > SIZE_MAX / size;
+}
+
+void *skf_alloc(size_t n, size_t size) { return refused(n, size) ? NULL : calloc(n ? n : 1, size ? size : 1); }
+
+void *skf_realloc(void *old, size_t n, size_t size) {
+  return refused(n, size) ? NULL : realloc(old, n && size ? n * size : 1);
+}
+
+char *skf_strdup(const char *text) {
+  size_t n = strlen(text) + 1;
+  char *copy = skf_alloc(n, 1);
+  if (copy) memcpy(copy, text, n);
+  return copy;
+}
+
+void skf_free(void *p) { free(p); }

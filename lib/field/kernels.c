@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/* The registry of kernels. */
+#include "field/kernel.h"
+#include <string.h>
+
+static const skf_kernel_ops *const registry[SKF_KERNEL_COUNT] = {
+    [SKF_CAUCHY] = &skf_kernel_cauchy,     [SKF_GAUSSIAN] = &skf_kernel_gaussian,
+    [SKF_INVERSE] = &skf_kernel_inverse,   [SKF_INVERSE_SQUARED] = &skf_kernel_inverse_squared,
+    [SKF_METABALL] = &skf_kernel_metaball, [SKF_SOFT_OBJECT] = &skf_kernel_soft_object,
+    [SKF_QUARTIC] = &skf_kernel_quartic,
+};
+
+const skf_kernel_ops *skf_kernel_row(skf_kernel_type type) {
+  return (unsigned)type < SKF_KERNEL_COUNT ? registry[type] : NULL;
+}
+
+const skf_kernel_info *skf_kernel_get(skf_kernel_type type) {
+  const skf_kernel_ops *row = skf_kernel_row(type);
+  return row ? &row->info : NULL;
+}
+
+skf_kernel_type skf_kernel_find(const char *name) {
+  int k = 0;
+  while (k < SKF_KERNEL_COUNT && strcmp(registry[k]->info.name, name) != 0) k++;
+  return (skf_kernel_type)k;
+}
+
+void skf_kernel_eval(skf_kernel kernel, double r2, double d[4]) {
+  skf_kernel_row(kernel.type)->eval(kernel.param, r2, d);
+}

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT */
+/* Rays against the surface F = iso of a field. */
+#ifndef SKELFIELD_RAY_H
+#define SKELFIELD_RAY_H
+
+#include "skelfield/field.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* p(t) = origin + t direction for t_min <= t <= t_max; direction need not be a unit vector on input, t counts in units
+   of length [L]. t_max may be INFINITY. */
+typedef struct skf_ray {
+  skf_vec3 origin, direction;
+  double t_min, t_max;
+} skf_ray;
+
+typedef struct skf_hit {
+  double t;        /* [L] along the normalised direction */
+  skf_vec3 at;     /* [L] */
+  skf_vec3 normal; /* outward unit normal -grad F / |grad F| */
+  bool entering;   /* F - iso changes from negative to positive */
+} skf_hit;
+
+/* What a query cost and what it left undecided; queries add to it. */
+typedef struct skf_ray_report {
+  size_t cells, subdivisions, evaluations;
+  size_t grazing; /* cells that touch the surface too closely to decide at the floor of subdivision */
+} skf_ray_report;
+
+/* A field with an iso value, ready for rays: immutable, safe to share between threads. Borrows the field. */
+typedef struct skf_tracer skf_tracer;
+
+SKF_API skf_status skf_tracer_new(const skf_field *field, double iso, skf_tracer **out);
+SKF_API void skf_tracer_free(skf_tracer *tracer);
+
+/* Every crossing with t in [t_min, t_max], in order of t: at most `capacity` go to hits, *count is the true number. The
+   report may be NULL. */
+SKF_API skf_status skf_tracer_all(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_hit *hits,
+                                  size_t *count, skf_ray_report *report);
+
+/* The first crossing; *found tells whether there is one. */
+SKF_API skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray, skf_hit *hit, bool *found,
+                                    skf_ray_report *report);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: MIT */
+/* Scene files (YAML) and what they hold. */
+#ifndef SKELFIELD_SCENE_H
+#define SKELFIELD_SCENE_H
+
+#include "skelfield/motion.h"
+#include "skelfield/surface.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Ellipsoid of revolution for surface coordinates: polar > equatorial is prolate. Body frame. */
+typedef struct skf_ellipsoid {
+  bool given;
+  double equatorial, polar;        /* semi-axes [L] */
+  skf_vec3 center, axis, meridian; /* axis to the north pole, meridian to latitude 0, longitude 0 */
+} skf_ellipsoid;
+
+typedef struct skf_body {
+  char *name;
+  double iso;
+  bool has_mass;
+  double mass, density; /* mass [M] if has_mass; density as given or 1 */
+  double rho;           /* density in force: mass / sum of w mu, or density */
+  skf_spin spin;
+  skf_ellipsoid ellipsoid;
+  double color[3]; /* linear RGB in [0, 1] */
+  size_t element_count;
+  skf_element *elements;
+  skf_field *field; /* of the elements, body frame */
+  long line;        /* in the file */
+  long *element_lines;
+} skf_body;
+
+/* A start given on a body's ellipsoid; angles in radians. Azimuth clockwise from north, elevation up from the horizon.
+ */
+typedef struct skf_launch {
+  bool given;
+  size_t body;
+  double latitude, longitude, height, azimuth, elevation, speed;
+} skf_launch;
+
+typedef struct skf_particle {
+  char *name;
+  skf_vec3 position, velocity; /* inertial; unset while launch.given, until somebody resolves it */
+  skf_launch launch;
+  long line;
+} skf_particle;
+
+typedef struct skf_simulation {
+  bool given;
+  double t_end, output_every, tolerance;
+  skf_contact_mode contact;
+  double restitution, friction;
+  char integrator[32]; /* name in the integrators' registry; empty: default */
+} skf_simulation;
+
+typedef struct skf_camera {
+  bool given;
+  skf_vec3 from, to, up;
+  double fov; /* vertical, radians */
+} skf_camera;
+
+typedef struct skf_light {
+  bool directional;
+  skf_vec3 at;     /* position, or direction towards the light */
+  double color[3]; /* linear RGB times intensity */
+} skf_light;
+
+typedef struct skf_scene {
+  double G;
+  size_t body_count, particle_count, light_count;
+  skf_body *bodies;
+  skf_particle *particles;
+  skf_light *lights;
+  skf_simulation simulation;
+  skf_camera camera;
+  double background[3];
+  bool has_background;
+} skf_scene;
+
+/* Reads a scene file. On failure *out is NULL and *error, if given, tells what is wrong, where, and what was expected.
+ */
+SKF_API skf_status skf_scene_read(const char *path, skf_scene **out, skf_error *error);
+/* The same from memory; file names in it are relative to `folder`. */
+SKF_API skf_status skf_scene_parse(const char *text, size_t length, const char *folder, skf_scene **out,
+                                   skf_error *error);
+SKF_API void skf_scene_free(skf_scene *scene);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT */
+/* Primitives of a skeleton: points, segments, arcs, triangles, planes. */
+#ifndef SKELFIELD_SKELETON_H
+#define SKELFIELD_SKELETON_H
+
+#include "skelfield/core.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum skf_shape { SKF_POINT, SKF_SEGMENT, SKF_ARC, SKF_TRIANGLE, SKF_PLANE, SKF_SHAPE_COUNT } skf_shape;
+
+typedef struct skf_point {
+  skf_vec3 at;
+} skf_point;
+
+typedef struct skf_segment {
+  skf_vec3 from, to;
+} skf_segment;
+
+/* Starts at center + radius * start and turns about normal by the right-hand rule. `start` is projected onto the
+   arc's plane and normalised, `normal` is normalised. sweep [rad] in (0, 2 pi]; 2 pi (the double) is the full circle.
+ */
+typedef struct skf_arc {
+  skf_vec3 center, normal, start;
+  double radius, sweep;
+} skf_arc;
+
+typedef struct skf_triangle {
+  skf_vec3 vertices[3];
+} skf_triangle;
+
+typedef struct skf_plane {
+  skf_vec3 through, normal;
+} skf_plane;
+
+/* One primitive, in the frame of its body. */
+typedef struct skf_primitive {
+  skf_shape shape;
+  union {
+    skf_point point;
+    skf_segment segment;
+    skf_arc arc;
+    skf_triangle triangle;
+    skf_plane plane;
+  };
+} skf_primitive;
+
+typedef enum skf_param_type {
+  SKF_PARAM_NUMBER, /* double */
+  SKF_PARAM_ANGLE,  /* double, radians here and degrees in files */
+  SKF_PARAM_VECTOR, /* skf_vec3 */
+  SKF_PARAM_VECTORS /* `count` consecutive skf_vec3 */
+} skf_param_type;
+
+/* One parameter of a registered kind: the scene reader, the help and the documentation all read this. */
+typedef struct skf_param {
+  const char *name, *unit, *doc;
+  skf_param_type type;
+  int count;
+  size_t offset;      /* of the value in the struct that the kind describes */
+  double above, upto; /* numbers: above < value <= upto; angles in radians */
+} skf_param;
+
+/* A registered primitive. */
+typedef struct skf_shape_info {
+  const char *name, *doc, *measure_unit;
+  const skf_param *params; /* offsets are into skf_primitive */
+  int param_count;
+} skf_shape_info;
+
+/* The registry's row for a shape; NULL when out of range. */
+SKF_API const skf_shape_info *skf_shape_get(skf_shape shape);
+
+/* SKF_OK, SKF_ERR_RANGE (not finite, parameter out of range) or SKF_ERR_DEGENERATE (zero length, area or normal); on
+   failure *why, if given, names what is wrong. */
+SKF_API skf_status skf_primitive_check(const skf_primitive *p, const char **why);
+
+/* Count, length, area [1, L, L^2]; +infinity for a plane. */
+SKF_API double skf_primitive_measure(const skf_primitive *p);
+
+/* Smallest and largest distance from x to the primitive [L]; largest is +infinity for a plane. */
+SKF_API double skf_primitive_distance(const skf_primitive *p, skf_vec3 x);
+SKF_API double skf_primitive_distance_max(const skf_primitive *p, skf_vec3 x);
+
+/* Tight axis-aligned bounds; infinite for a plane. */
+SKF_API skf_box skf_primitive_bounds(const skf_primitive *p);
+
+/* A point of the primitive: s, t in [0, 1]. Points ignore both, segments and arcs t; planes give `through`. */
+SKF_API skf_vec3 skf_primitive_point(const skf_primitive *p, double s, double t);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT */
+/* skelfield: fields of skeletal bodies. This header includes the whole public interface. */
+#ifndef SKELFIELD_H
+#define SKELFIELD_H
+
+#include "skelfield/core.h"
+#include "skelfield/skeleton.h"
+#include "skelfield/field.h"
+#include "skelfield/ray.h"
+#include "skelfield/motion.h"
+#include "skelfield/surface.h"
+#include "skelfield/scene.h"
+
+#endif
