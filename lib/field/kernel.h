@@ -1,18 +1,32 @@
 /* SPDX-License-Identifier: MIT */
-/* The row that each kernel's file gives to the registry. */
+/* The row that each kernel's file gives to the registry, and what a closed form gets and gives. */
 #ifndef SKF_FIELD_KERNEL_H
 #define SKF_FIELD_KERNEL_H
 
 #include "skelfield/field.h"
 #include "core/vec3.h"
 
-/* Value and gradient of one primitive at one point. */
+/* Value, gradient and Hessian (xx, xy, xz, yy, yz, zz) of one primitive at one point; strength is not in them. */
 typedef struct skf_value {
   double F;
   skf_vec3 g;
+  double h[6];
 } skf_value;
 
-typedef skf_value (*skf_closed)(double param, const skf_primitive *p, skf_vec3 x);
+/* A primitive made ready for many points, once per field. A shape that has something to keep adds its plan here and
+   fills it in skf_prepare. */
+typedef struct skf_prepared {
+  skf_primitive primitive;
+  skf_kernel kernel;
+  double strength;
+} skf_prepared;
+
+/* The primitive has been checked. */
+void skf_prepare(const skf_element *element, skf_prepared *out);
+
+/* Value and gradient (order 1), Hessian too (order 2). *v arrives zeroed; order 1 leaves v->h alone. On a singular set
+   F = +infinity, the rest stays zero. */
+typedef void (*skf_closed)(const skf_prepared *e, skf_vec3 x, int order, skf_value *v);
 
 typedef struct skf_kernel_ops {
   skf_kernel_info info;
