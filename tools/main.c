@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The program: a table of commands. */
+#include "cli_private.h"
+#include <errno.h>
+#include <fcntl.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* One row for each command; each is one file cmd_*.c that ends in its table. */
+const cli_command *const cli_commands[] = {
+    /* fields */
+    /* rays */
+    /* motion */
+    /* pictures */
+    /* surfaces */
+    /* scenes */
+    NULL,
+};
+
+static const cli_command *find(const char *name) {
+  const cli_command *const *row = cli_commands;
+  while (*row && strcmp((*row)->name, name) != 0) row++;
+  return *row;
+}
+
+static int bad_command(const char *name) {
+  return cli_fail(CLI_BAD, "unknown command '%s' (skelfield --help lists them)", name);
+}
+
+/* A file that is opened must not take the place of a closed standard stream. */
+static void reserve_streams(void) {
+  for (int fd = 0; fd <= 2; fd++)
+    if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", O_RDONLY) != fd) _Exit(CLI_FAILED);
+}
+
+static int flush(int status) {
+  errno = 0;
+  if ((fflush(stdout) != 0 || ferror(stdout)) && status == CLI_DONE)
+    return cli_fail(CLI_FAILED, "stdout: %s", errno ? strerror(errno) : "write failed");
+  return status;
+}
+
+static int help(int argc, char **argv) {
+  if (argc == 0) {
+    cli_help_program(stdout);
+  } else if (strcmp(argv[0], "scene") == 0) {
+    cli_help_scene(stdout);
+  } else {
+    const cli_command *command = find(argv[0]);
+    if (!command) return bad_command(argv[0]);
+    cli_help_command(stdout, command);
+  }
+  return CLI_DONE;
+}
+
+static int threads(const cli *c) {
+  const char *text = cli_value(c, "threads");
+  if (!text) return CLI_DONE;
+  char *end;
+  errno = 0;
+  long n = strtol(text, &end, 10);
+  if (*end || end == text || errno || n < 1 || n > 4096)
+    return cli_fail(CLI_BAD, "--threads %s: expected a whole number from 1 to 4096", text);
+  omp_set_num_threads((int)n);
+  return CLI_DONE;
+}
+
+static int run(const cli_command *command, int argc, char **argv) {
+  cli c;
+  int status = cli_parse(&c, command, argc, argv);
+  if (status == CLI_DONE && cli_given(&c, "help")) return cli_help_command(stdout, command), CLI_DONE;
+  if (status == CLI_DONE) status = threads(&c);
+  if (status != CLI_DONE) return status;
+  cli_signals();
+  status = command->run(&c);
+  cli_progress_end();
+  cli_out_cleanup();
+  return cli_signal() && status != CLI_DONE ? 128 + cli_signal() : status;
+}
+
+int main(int argc, char **argv) {
+  reserve_streams();
+  if (argc < 2) return cli_fail(CLI_BAD, "no command (skelfield --help lists them)");
+  const char *first = argv[1];
+  int status = CLI_DONE;
+  if (strcmp(first, "--help") == 0 || strcmp(first, "-h") == 0) {
+    cli_help_program(stdout);
+  } else if (strcmp(first, "--version") == 0) {
+    printf("skelfield %s\n", skf_version());
+  } else if (strcmp(first, "help") == 0) {
+    status = help(argc - 2, argv + 2);
+  } else if (*first == '-') {
+    status = cli_fail(CLI_BAD, "a command is expected before '%s' (skelfield --help lists them)", first);
+  } else {
+    const cli_command *command = find(first);
+    status = command ? run(command, argc - 2, argv + 2) : bad_command(first);
+  }
+  return flush(status);
+}
