@@ -40,6 +40,12 @@ static inline skf_dd dd_two_prod(double a, double b) {
 #endif
 }
 
+/* a b - c d, to an ulp or two [Kahan]. */
+static inline double dd_det2(double a, double b, double c, double d) {
+  skf_dd p = dd_two_prod(a, b), q = dd_two_prod(c, d);
+  return (p.hi - q.hi) + (p.lo - q.lo);
+}
+
 static inline skf_dd dd_neg(skf_dd a) { return (skf_dd){-a.hi, -a.lo}; }
 
 static inline skf_dd dd_add(skf_dd a, skf_dd b) {
@@ -70,5 +76,31 @@ static inline skf_dd3 dd3_cross(skf_dd3 a, skf_dd3 b) {
 }
 
 static inline skf_vec3 dd3_round(skf_dd3 a) { return v3(a.x.hi, a.y.hi, a.z.hi); }
+
+/* R^2 - |d|^2 to an ulp or two of itself, for a difference d of doubles. */
+static inline double dd3_power(double R, skf_dd3 d) {
+  const skf_dd c[3] = {d.x, d.y, d.z};
+  skf_dd sum = dd_two_prod(R, R);
+  double low = sum.lo;
+  for (int i = 0; i < 3; i++) {
+    skf_dd p = dd_two_prod(c[i].hi, c[i].hi), s = dd_two_sum(sum.hi, -p.hi);
+    low += s.lo - (p.lo + 2 * c[i].hi * c[i].lo);
+    sum.hi = s.hi;
+  }
+  return sum.hi + low;
+}
+
+/* a . b for doubles b, to an ulp or two unless it cancels beyond 1e-30. */
+static inline double dd3_dot_d(skf_dd3 a, skf_vec3 b) {
+  const skf_dd c[3] = {a.x, a.y, a.z};
+  const double e[3] = {b.x, b.y, b.z};
+  double sum = 0, low = 0;
+  for (int i = 0; i < 3; i++) {
+    skf_dd p = dd_two_prod(c[i].hi, e[i]), s = dd_two_sum(sum, p.hi);
+    low += s.lo + (p.lo + c[i].lo * e[i]);
+    sum = s.hi;
+  }
+  return sum + low;
+}
 
 #endif

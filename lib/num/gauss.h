@@ -3,7 +3,7 @@
 #ifndef SKF_NUM_GAUSS_H
 #define SKF_NUM_GAUSS_H
 
-#define SKF_GAUSS_MAX 24
+#define SKF_GAUSS_MAX 32
 
 typedef struct skf_gauss_node {
   double x, w;
