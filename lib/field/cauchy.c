@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "field/kernel.h"
+#include "field/triangle.h"
 
 static void eval(double s, double w, double d[4]) {
   double s2 = s * s, q = 1 / (1 + s2 * w);
@@ -13,4 +14,5 @@ const skf_kernel_ops skf_kernel_cauchy = {
     .info = {"cauchy", "1 / (1 + s^2 r^2)^2", "smooth, falls like r^-4", "s", "1/L", "1 / s is its width", false,
              false},
     .eval = eval,
+    .closed[SKF_TRIANGLE] = skf_triangle_cauchy,
 };

@@ -4,7 +4,7 @@
 #define SKF_FIELD_KERNEL_H
 
 #include "skelfield/field.h"
-#include "core/vec3.h"
+#include "field/triangle_plan.h"
 
 /* Value, gradient and Hessian (xx, xy, xz, yy, yz, zz) of one primitive at one point; strength is not in them. */
 typedef struct skf_value {
@@ -19,6 +19,9 @@ typedef struct skf_prepared {
   skf_primitive primitive;
   skf_kernel kernel;
   double strength;
+  union {
+    skf_triangle_plan triangle;
+  } plan;
 } skf_prepared;
 
 /* The primitive has been checked. */
