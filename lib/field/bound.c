@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: MIT */
+/* Enclosures of fields in balls. A decreasing envelope M(r) of the kernel is summed over shells around the ball's
+   center: integral of M dmu <= sum_k M(r_k) (m(r_k+1) - m(r_k)), where m(r) is at least the measure within r. */
+#include "field/bound.h"
+#include "field/envelope.h"
+#include "core/vec3.h"
+
+/* How much of a primitive can lie within a distance r of a point. */
+typedef struct reach {
+  skf_shape shape;
+  double total, near, far; /* measure; distances from the point */
+  double h2, t0, t1;       /* segment: squared distance to its line, abscissae of its ends */
+  double rho, k;           /* arc: its radius and the distance from its axis; k < 0: the worst one */
+} reach;
+
+static reach reach_from(const skf_primitive *p, skf_vec3 x) {
+  reach r = {.shape = p->shape,
+             .total = skf_primitive_measure(p),
+             .near = skf_primitive_distance(p, x),
+             .far = skf_primitive_distance_max(p, x)};
+  if (p->shape == SKF_SEGMENT) {
+    skf_vec3 a = v3_unit(v3_sub(p->segment.to, p->segment.from));
+    r.t0 = v3_dot(v3_sub(p->segment.from, x), a);
+    r.t1 = v3_dot(v3_sub(p->segment.to, x), a);
+    r.h2 = v3_norm2(v3_cross(v3_sub(p->segment.from, x), a));
+  } else if (p->shape == SKF_ARC) {
+    skf_vec3 n = v3_unit(p->arc.normal), d = v3_sub(x, p->arc.center);
+    double z = v3_dot(d, n), k = v3_norm(v3_cross(d, n));
+    r.rho = p->arc.radius, r.k = k;
+    r.h2 = (k - r.rho) * (k - r.rho) + z * z;
+  } else if (p->shape == SKF_TRIANGLE) {
+    r.h2 = r.near * r.near; /* it is convex: all of it is beyond the plane across its nearest point */
+  }
+  return r;
+}
+
+/* r^2 = r_near^2 + 4 rho k sin^2(half the azimuth) on the circle. Over all places at a distance >= near the widest part
+   of the arc is within r at k = min(rho - near, sqrt(rho^2 - r^2)). */
+static double arc_within(const reach *m, double r, double T2) {
+  double k = m->k;
+  if (k < 0) {
+    if (r >= m->rho) return m->total;
+    k = fmin(m->rho - m->near, sqrt((m->rho - r) * (m->rho + r)));
+    T2 = fmax(r * r - (m->rho - k) * (m->rho - k), 0);
+  }
+  double s2 = T2 / (4 * m->rho * k);
+  return s2 < 1 ? 4 * m->rho * asin(sqrt(s2)) : m->total;
+}
+
+static double within(const reach *m, double r) {
+  double T2 = fmax(r * r - m->h2, 0);
+  if (r >= m->far) return m->total;
+  switch (m->shape) {
+  case SKF_SEGMENT: {
+    double T = sqrt(T2);
+    return fmin(m->total, fmax(fmin(m->t1, T) - fmax(m->t0, -T), 0));
+  }
+  case SKF_ARC: return fmin(m->total, arc_within(m, r, T2));
+  case SKF_TRIANGLE: return fmin(m->total, SKF_PI * T2);
+  default: return m->total;
+  }
+}
+
+/* Sums the envelope over shells whose thickness grows with the distance. */
+static skf_envelope shells(skf_kernel k, const reach *m, double radius) {
+  skf_envelope sum = {0, 0, 0, 0};
+  double r = m->near, width = skf_kernel_width(k), done = 0;
+  double step = fmax(r - radius, width), T = sqrt(step * (0.4 * r + 0.1 * step)), base = r * r;
+  if (!(step > 0)) return (skf_envelope){INFINITY, INFINITY, INFINITY, INFINITY}; /* a singular kernel, touched */
+  for (int i = 0; done < m->total; i++, T *= 1.5) {
+    double next = i < 40 ? sqrt(base + T * T) : m->far, upto = next >= m->far ? m->total : within(m, next);
+    skf_envelope e = skf_kernel_envelope(k, r - radius);
+    if (upto > done) {
+      double mu = upto - done;
+      sum.value += mu * e.value, sum.slope += mu * e.slope, sum.bend += mu * e.bend, sum.fourth += mu * e.fourth;
+      done = upto;
+    }
+    if (!(e.value > 0)) break; /* beyond a finite support */
+    r = next;
+  }
+  return sum;
+}
+
+static skf_bound plane_bound(const skf_element *e, double near, double far) {
+  skf_envelope v = skf_plane_envelope(e->kernel, near);
+  if (near <= 0 && e->kernel.type == SKF_INVERSE_SQUARED) v.value = INFINITY;
+  if (skf_kernel_kinked(e->kernel, near, far)) v.fourth = INFINITY;
+  return (skf_bound){skf_plane_envelope(e->kernel, far).value, v.value, v.slope, v.bend, v.fourth};
+}
+
+skf_bound skf_element_bound(const skf_element *e, skf_vec3 center, double radius) {
+  skf_bound b;
+  double w = e->strength, tight = 1 - 1e-12, loose = 1 + 1e-12; /* rounding of the sums */
+  if (e->primitive.shape == SKF_PLANE) {
+    double z = skf_primitive_distance(&e->primitive, center);
+    b = plane_bound(e, fmax(z - radius, 0), z + radius);
+    double slack = 1e-12 * (z + radius) * b.gradient;
+    if (isfinite(slack)) b.lo -= slack, b.hi += slack;
+  } else {
+    reach m = reach_from(&e->primitive, center);
+    skf_envelope v = shells(e->kernel, &m, radius);
+    double farthest = m.total * skf_kernel_envelope(e->kernel, m.far + radius).value;
+    if (skf_kernel_kinked(e->kernel, fmax(m.near - radius, 0), m.far + radius)) v.fourth = INFINITY;
+    b = (skf_bound){tight * farthest, loose * v.value, v.slope, v.bend, v.fourth};
+  }
+  double a = loose * fabs(w);
+  skf_bound out = {w * b.lo, w * b.hi, a * b.gradient, a * b.hessian, a * b.fourth};
+  if (w < 0) out.lo = w * b.hi, out.hi = w * b.lo;
+  if (w == 0) out = (skf_bound){0, 0, 0, 0, 0};
+  return out;
+}
+
+double skf_element_reach(const skf_element *e, double d) {
+  const skf_primitive *p = &e->primitive;
+  if (p->shape == SKF_PLANE) return skf_plane_envelope(e->kernel, d).value;
+  /* worst at a distance d: beside a segment's middle, above a triangle, for arcs see arc_within */
+  reach m = {.shape = p->shape, .total = skf_primitive_measure(p), .near = d, .far = d, .h2 = d * d};
+  if (p->shape == SKF_SEGMENT) {
+    m.t1 = 0.5 * m.total, m.t0 = -m.t1;
+    m.far = hypot(d, m.t1);
+  } else if (p->shape == SKF_ARC) {
+    m.rho = p->arc.radius, m.k = -1;
+    m.far = fmax(d, m.rho);
+  } else if (p->shape == SKF_TRIANGLE) {
+    m.far = hypot(d, sqrt(m.total / SKF_PI));
+  }
+  return shells(e->kernel, &m, 0).value * (1 + 1e-12);
+}
+
+skf_bound skf_field_bound(const skf_field *field, skf_vec3 center, double radius) {
+  skf_bound b = {0, 0, 0, 0, 0};
+  for (size_t i = 0, n = skf_field_size(field); i < n; i++) {
+    skf_bound e = skf_element_bound(skf_field_element(field, i), center, radius);
+    b.lo += e.lo, b.hi += e.hi;
+    b.gradient += e.gradient, b.hessian += e.hessian, b.fourth += e.fourth;
+  }
+  if (isnan(b.lo)) b.lo = -INFINITY;
+  if (isnan(b.hi)) b.hi = INFINITY;
+  if (!isfinite(b.gradient)) return b;
+  /* the value at the center and what the derivatives allow around it */
+  skf_vec3 g;
+  double F = skf_field_at(field, center, &g), by1 = b.gradient * radius;
+  double by2 = (v3_norm(g) + 0.5 * b.hessian * radius) * radius, step = by2 < by1 ? by2 : by1;
+  double slack = 1e-9 * fmax(fabs(F), 1e-3 * fmax(fabs(b.lo), fabs(b.hi))); /* quadrature's own error */
+  if (!isfinite(F)) return b;
+  b.lo = fmax(b.lo, F - step - slack);
+  b.hi = fmin(b.hi, F + step + slack);
+  b.gradient = fmin(b.gradient, v3_norm(g) * (1 + 1e-9) + b.hessian * radius);
+  return b;
+}

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: MIT */
+/* Bounds of the field of one element in a ball; the ray and surface rooms build theirs on it. */
+#ifndef SKF_FIELD_BOUND_H
+#define SKF_FIELD_BOUND_H
+
+#include "skelfield/field.h"
+
+/* Of strength times the primitive's field in |p - center| <= radius; `fourth` is infinite where a kink may be inside.
+ */
+skf_bound skf_element_bound(const skf_element *e, skf_vec3 center, double radius);
+
+/* Upper bound, over all p at a distance >= d from the primitive, of the primitive's field (strength 1). */
+double skf_element_reach(const skf_element *e, double d);
+
+#endif
