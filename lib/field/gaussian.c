@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "field/kernel.h"
+#include "field/triangle.h"
 
 static void eval(double s, double w, double d[4]) {
   double a2 = s * s;
@@ -12,4 +13,5 @@ static void eval(double s, double w, double d[4]) {
 const skf_kernel_ops skf_kernel_gaussian = {
     .info = {"gaussian", "exp(-a^2 r^2)", "smooth, falls fastest", "a", "1/L", "1 / a is its width", false, false},
     .eval = eval,
+    .closed[SKF_TRIANGLE] = skf_triangle_gaussian,
 };

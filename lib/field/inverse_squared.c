@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "field/kernel.h"
+#include "field/triangle.h"
 
 static void eval(double s, double w, double d[4]) {
   (void)s;
@@ -12,4 +13,5 @@ static void eval(double s, double w, double d[4]) {
 const skf_kernel_ops skf_kernel_inverse_squared = {
     .info = {"inverse-squared", "1 / r^2", "harder than gravity near, softer far", NULL, NULL, NULL, false, true},
     .eval = eval,
+    .closed[SKF_TRIANGLE] = skf_triangle_inverse_squared,
 };

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "field/kernel.h"
+#include "field/triangle.h"
 
 static void eval(double s, double w, double d[4]) {
   double R2 = s * s;
@@ -21,4 +22,5 @@ const skf_kernel_ops skf_kernel_metaball = {
     .info = {"metaball", "1 - 3 r^2/R^2 (r <= R/3), 3/2 (1 - r/R)^2 (r <= R), 0",
              "finite support, once differentiable at R/3 and R", "R", "L", "radius of its support", true, false},
     .eval = eval,
+    .closed[SKF_TRIANGLE] = skf_triangle_metaball,
 };

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "field/kernel.h"
+#include "field/triangle.h"
 
 static void eval(double s, double w, double d[4]) {
   double R2 = s * s, m = (R2 - w) / R2;
@@ -14,4 +15,5 @@ const skf_kernel_ops skf_kernel_quartic = {
     .info = {"quartic", "(1 - r^2/R^2)^2 (r <= R), 0", "finite support, polynomial in r^2", "R", "L",
              "radius of its support", true, false},
     .eval = eval,
+    .closed[SKF_TRIANGLE] = skf_triangle_quartic,
 };

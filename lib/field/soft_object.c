@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "field/kernel.h"
+#include "field/triangle.h"
 
 static void eval(double s, double w, double d[4]) {
   double R2 = s * s, m = (R2 - w) / R2;
@@ -15,4 +16,5 @@ const skf_kernel_ops skf_kernel_soft_object = {
     .info = {"soft-object", "1 - 22/9 u^2 + 17/9 u^4 - 4/9 u^6, u = r/R (r <= R), 0",
              "finite support, polynomial in r^2", "R", "L", "radius of its support", true, false},
     .eval = eval,
+    .closed[SKF_TRIANGLE] = skf_triangle_soft_object,
 };

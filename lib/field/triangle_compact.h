@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: MIT */
+/* Kernels of finite support on triangles. Private to triangle_{compact,cone,slab,transverse}.c.
+   At height z the support cuts the plane in a disc of radius rm about p'. Each edge has a part in the disc; what is out
+   of it sees the disc as sectors. */
+#ifndef SKF_FIELD_TRIANGLE_COMPACT_H
+#define SKF_FIELD_TRIANGLE_COMPACT_H
+
+#include "field/triangle_parts.h"
+
+typedef enum skf_compact_kind { SKF_COMPACT_QUARTIC, SKF_COMPACT_SOFT, SKF_COMPACT_CONE } skf_compact_kind;
+
+/* An edge's part in the disc: abscissae b1 < b2 of its ends when `in`, half the chord of its line. */
+typedef struct skf_edge_clip {
+  bool in;
+  double b1, b2, chord;
+  double out; /* angle of the rest */
+} skf_edge_clip;
+
+skf_edge_clip skf_edge_cut(const skf_triangle_view *g, int edge, double rm);
+
+/* A node: h, h'/r and (h'/r)'/r for y = 1 - r^2 / R^2 in (0, 1]; only the cone looks at r. */
+typedef struct skf_compact_node {
+  double h, g, k;
+} skf_compact_node;
+
+skf_compact_node skf_compact_at(skf_compact_kind kind, double y, double r, double R);
+
+/* Slices parallel to the longest edge: a sum of positive terms. */
+void skf_compact_slabs(skf_compact_kind kind, double R, const skf_triangle_view *g, int order, skf_value *v);
+
+/* The gradient's part along m[longest] of the cone (1 - r/R)^2, next to a thin triangle: an integral of the difference
+   of h across it. */
+double skf_cone_transverse(const skf_triangle_view *g, double R);
+
+/* Largest condition of a sum over clipped edges that is kept. */
+#define SKF_COMPACT_COND 30
+/* The cone's slabs bisect towards the point: only where the edge sums of the Hessian give less than 1e-9. */
+#define SKF_CONE_COND_HESSIAN 1e7
+
+#endif
