@@ -11,6 +11,7 @@
 /* One row for each command; each is one file cmd_*.c that ends in its table. */
 const cli_command *const cli_commands[] = {
     /* fields */
+    &cmd_eval,
     /* rays */
     /* motion */
     /* pictures */

@@ -18,11 +18,11 @@ typedef struct skf_ellipsoid {
 } skf_ellipsoid;
 
 typedef struct skf_body {
-  char *name;
+  char *name; /* unique; no control characters, commas or double quotes */
   double iso;
   bool has_mass;
   double mass, density; /* mass [M] if has_mass; density as given or 1 */
-  double rho;           /* density in force: mass / sum of w mu, or density */
+  double rho;           /* density in force: mass / sum of w mu (0 when a plane makes that infinite), or density */
   skf_spin spin;
   skf_ellipsoid ellipsoid;
   double color[3]; /* linear RGB in [0, 1] */

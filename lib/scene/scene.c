@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: MIT */
+/* Scene files: from bytes to a scene. */
+#include "scene/reader.h"
+#include "core/alloc.h"
+#include "core/vec3.h"
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LARGEST = 64 << 20 }; /* bytes: 300 000 triangles as text; more of them belong into a mesh file */
+
+static const skf_key gravity_keys[] = {
+    {"G", "L^3/(M T^2)", "gravitational constant; negative repels (default: 6.67430e-11)", SKF_KEY_NUMBER, false,
+     .offset = offsetof(skf_scene, G)},
+};
+const skf_section skf_section_gravity = {"gravity", "acceleration = G density grad F", gravity_keys, 1};
+
+static skf_status read_gravity(skf_reader *r, const skf_node *map, void *scene) {
+  return skf_read_map(r, map, &skf_section_gravity, scene, NULL);
+}
+
+static skf_status read_version(skf_reader *r, const skf_node *node, void *scene) {
+  (void)scene;
+  const skf_key key = {.name = "skelfield", .type = SKF_KEY_NUMBER};
+  double version;
+  skf_status s = skf_read_number(r, node, &key, &version);
+  if (s || version == 1) return s;
+  return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "format version is %s, expected 1",
+                       skf_show(skf_node_text(&r->yaml, node)).text);
+}
+
+enum {
+  KEY_VERSION,
+  KEY_GRAVITY,
+  KEY_BODIES,
+  KEY_PARTICLES,
+  KEY_SIMULATION,
+  KEY_CAMERA,
+  KEY_LIGHTS,
+  KEY_BACKGROUND,
+  KEYS
+};
+
+static const skf_key scene_keys[KEYS] = {
+    [KEY_VERSION] = {"skelfield", NULL, "format version", SKF_KEY_OTHER, true, .read = read_version, .form = "1"},
+    [KEY_GRAVITY] = {"gravity", NULL, "constant of gravity", SKF_KEY_OTHER, .read = read_gravity, .form = "{G: ...}"},
+    [KEY_BODIES] = {"bodies", NULL, "at least one body", SKF_KEY_OTHER, true, .read = skf_read_bodies,
+                    .form = "a list of bodies"},
+    [KEY_PARTICLES] = {"particles", NULL, "what flies", SKF_KEY_OTHER, .read = skf_read_particles,
+                       .form = "a list of particles"},
+    [KEY_SIMULATION] = {"simulation", NULL, "how it flies", SKF_KEY_OTHER, .read = skf_read_simulation,
+                        .form = "{t_end, output_every, ...}"},
+    [KEY_CAMERA] = {"camera", NULL, "for render", SKF_KEY_OTHER, .read = skf_read_camera,
+                    .form = "{from, to, up, fov}"},
+    [KEY_LIGHTS] = {"lights", NULL, "for render", SKF_KEY_OTHER, .read = skf_read_lights, .form = "a list of lights"},
+    [KEY_BACKGROUND] = {"background", "1", "linear light, for render", SKF_KEY_COLOR, false,
+                        .offset = offsetof(skf_scene, background)},
+};
+const skf_section skf_section_scene = {"scene", "the whole file", scene_keys, KEYS};
+
+const skf_section *const skf_sections[] = {&skf_section_scene,
+                                           &skf_section_gravity,
+                                           &skf_section_body,
+                                           &skf_section_spin,
+                                           &skf_section_ellipsoid,
+                                           &skf_section_particle,
+                                           &skf_section_launch,
+                                           &skf_section_simulation,
+                                           &skf_section_camera,
+                                           &skf_section_light,
+                                           NULL};
+
+/* The first entry of a list that repeats an earlier one's name. */
+typedef struct named {
+  const char *name;
+  size_t index;
+} named;
+
+static int by_name(const void *a, const void *b) {
+  const named *x = a, *y = b;
+  int c = strcmp(x->name, y->name);
+  return c ? c : (x->index > y->index) - (x->index < y->index);
+}
+
+skf_status skf_refuse_duplicates(skf_reader *r, const skf_node *list, const char *what, size_t n,
+                                 const char *(*name_at)(const skf_scene *scene, size_t i)) {
+  named *all = skf_alloc(n, sizeof *all);
+  if (!all) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+  for (size_t i = 0; i < n; i++) all[i] = (named){name_at(r->scene, i), i};
+  qsort(all, n, sizeof *all, by_name);
+  size_t repeated = n;
+  for (size_t i = 1; i < n; i++)
+    if (all[i].index < repeated && strcmp(all[i].name, all[i - 1].name) == 0) repeated = all[i].index;
+  skf_free(all);
+  if (repeated == n) return SKF_OK;
+  const skf_node *node = skf_node_first(&r->yaml, list);
+  for (size_t i = 0; i < repeated; i++) node = skf_node_next(&r->yaml, node);
+  return skf_error_set(r->error, SKF_ERR_PARSE, skf_map_line(r, node, "name"),
+                       "a second %s is called '%s', expected different names", what,
+                       skf_show(name_at(r->scene, repeated)).text);
+}
+
+static skf_status read_scene(skf_reader *r) {
+  const skf_node *root = r->yaml.nodes;
+  skf_status s = skf_expect(r, root, SKF_NODE_MAP, "the scene", "a mapping (skelfield: 1, bodies: ...)");
+  if (s) return s;
+  const skf_node *version = skf_map_find(r, root, "skelfield");
+  if (version && (s = read_version(r, version, r->scene))) return s; /* first: it decides what the rest means */
+  unsigned given;
+  if ((s = skf_read_map(r, root, &skf_section_scene, r->scene, &given))) return s;
+  r->scene->has_background = given >> KEY_BACKGROUND & 1;
+  return given >> KEY_PARTICLES & 1 ? skf_resolve_launches(r, skf_map_find(r, root, "particles")) : SKF_OK;
+}
+
+skf_status skf_scene_parse(const char *text, size_t length, const char *folder, skf_scene **out, skf_error *error) {
+  (void)folder;
+  *out = NULL;
+  if (error) *error = (skf_error){0};
+  if (length > LARGEST)
+    return skf_error_set(error, SKF_ERR_RANGE, 0, "larger than %d MB, expected a scene", LARGEST >> 20);
+  skf_reader r = {.error = error, .scene = skf_alloc(1, sizeof *r.scene)};
+  if (!r.scene) return skf_error_set(error, SKF_ERR_NOMEM, 0, "out of memory");
+  *r.scene = (skf_scene){
+      .G = 6.67430e-11, /* CODATA 2018 [m^3 kg^-1 s^-2] */
+      .simulation = {.tolerance = 1e-12, .contact = SKF_CONTACT_STOP, .restitution = 1},
+      .camera = {.up = {0, 0, 1}, .fov = 40 * (SKF_PI / 180)},
+  };
+  skf_status s = skf_yaml_read(text, length, &r.yaml, error);
+  if (!s) s = read_scene(&r);
+  skf_yaml_free(&r.yaml);
+  if (s) return skf_scene_free(r.scene), s;
+  *out = r.scene;
+  return SKF_OK;
+}
+
+/* The file's bytes; at most one more than is accepted. */
+static skf_status slurp(const char *path, char **text, size_t *length, skf_error *error) {
+  FILE *f = fopen(path, "rb");
+  if (!f) return skf_error_set(error, SKF_ERR_IO, 0, "%s, expected a scene file", strerror(errno));
+  size_t capacity = 0, n = 0, got = 0;
+  skf_status s = SKF_OK;
+  *text = NULL;
+  do {
+    n += got;
+    if (n == capacity) {
+      capacity = capacity ? 2 * capacity : 1 << 14;
+      char *more = skf_realloc(*text, capacity, 1);
+      if (!more) s = skf_error_set(error, SKF_ERR_NOMEM, 0, "out of memory");
+      if (more) *text = more;
+    }
+  } while (!s && n <= LARGEST && (got = fread(*text + n, 1, capacity - n, f)) > 0);
+  if (!s && ferror(f)) s = skf_error_set(error, SKF_ERR_IO, 0, "%s, expected a scene file", strerror(errno));
+  fclose(f);
+  *length = n;
+  return s;
+}
+
+skf_status skf_scene_read(const char *path, skf_scene **out, skf_error *error) {
+  *out = NULL;
+  if (error) *error = (skf_error){0};
+  char *text = NULL, *folder = skf_strdup(path);
+  size_t length = 0;
+  if (!folder) return skf_error_set(error, SKF_ERR_NOMEM, 0, "out of memory");
+  char *slash = strrchr(folder, '/');
+  if (slash) slash[slash == folder] = 0;
+  skf_status s = slurp(path, &text, &length, error);
+  if (!s) s = skf_scene_parse(text, length, slash ? folder : ".", out, error);
+  skf_free(text);
+  skf_free(folder);
+  return s;
+}
+
+void skf_scene_free(skf_scene *scene) {
+  if (!scene) return;
+  for (size_t i = 0; i < scene->body_count; i++) {
+    skf_body *b = scene->bodies + i;
+    skf_free(b->name);
+    skf_free(b->elements);
+    skf_free(b->element_lines);
+    skf_field_free(b->field);
+  }
+  for (size_t i = 0; i < scene->particle_count; i++) skf_free(scene->particles[i].name);
+  skf_free(scene->bodies);
+  skf_free(scene->particles);
+  skf_free(scene->lights);
+  skf_free(scene);
+}

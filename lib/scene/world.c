@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: MIT */
+/* What moves among the bodies, for how long, and who looks at it. */
+#include "scene/reader.h"
+#include "core/alloc.h"
+#include "core/vec3.h"
+#include <stdlib.h>
+#include <string.h>
+
+static const skf_range latitude = {-90, 90, false}, turn = {-360, 360, false}, half_turn = {0, 179, true},
+                       tolerance = {0, 0.1, true};
+
+static skf_status accept(skf_reader *r, const skf_node *value, void *into) {
+  return (void)r, (void)value, (void)into, SKF_OK;
+}
+
+static const skf_key launch_keys[] = {
+    {"body", NULL, "name of a body with an ellipsoid", SKF_KEY_OTHER, true, .read = accept, .form = "a body's name"},
+    {"latitude", "deg", "north of the equator", SKF_KEY_ANGLE, true, .offset = offsetof(skf_launch, latitude),
+     .range = &latitude},
+    {"longitude", "deg", "east of the meridian", SKF_KEY_ANGLE, true, .offset = offsetof(skf_launch, longitude),
+     .range = &turn},
+    {"height", "L", "above the ellipsoid (default: 0)", SKF_KEY_NUMBER, false, .offset = offsetof(skf_launch, height)},
+    {"azimuth", "deg", "clockwise from north (default: 0)", SKF_KEY_ANGLE, false,
+     .offset = offsetof(skf_launch, azimuth), .range = &turn},
+    {"elevation", "deg", "above the horizon (default: 0)", SKF_KEY_ANGLE, false,
+     .offset = offsetof(skf_launch, elevation), .range = &latitude},
+    {"speed", "L/T", "relative to the body's ground", SKF_KEY_NUMBER, true, .offset = offsetof(skf_launch, speed),
+     .range = &skf_not_negative},
+};
+const skf_section skf_section_launch = {"launch", "a start on a body's ellipsoid", launch_keys, 7};
+
+static skf_status read_launch(skf_reader *r, const skf_node *map, void *into) {
+  skf_launch *launch = &((skf_particle *)into)->launch;
+  launch->given = true;
+  return skf_read_map(r, map, &skf_section_launch, launch, NULL);
+}
+
+enum { PARTICLE_NAME, PARTICLE_POSITION, PARTICLE_VELOCITY, PARTICLE_LAUNCH, PARTICLE_KEYS };
+
+static const skf_key particle_keys[PARTICLE_KEYS] = {
+    {"name", NULL, "unique among the particles", SKF_KEY_NAME, true, .offset = offsetof(skf_particle, name)},
+    {"position", "L", "at t = 0, inertial frame", SKF_KEY_VECTOR, false, .offset = offsetof(skf_particle, position)},
+    {"velocity", "L/T", "at t = 0, inertial frame", SKF_KEY_VECTOR, false, .offset = offsetof(skf_particle, velocity)},
+    {"launch", NULL, "instead of position and velocity", SKF_KEY_OTHER, .read = read_launch,
+     .form = "{body, latitude, longitude, speed, ...}"},
+};
+const skf_section skf_section_particle = {"particle", "a point without mass of its own", particle_keys, PARTICLE_KEYS};
+
+static skf_status read_particle(skf_reader *r, const skf_node *map, skf_particle *p) {
+  unsigned given;
+  p->line = map->line;
+  skf_status s = skf_read_map(r, map, &skf_section_particle, p, &given);
+  if (s) return s;
+  bool position = given >> PARTICLE_POSITION & 1, velocity = given >> PARTICLE_VELOCITY & 1;
+  if (p->launch.given && (position || velocity))
+    return skf_error_set(r->error, SKF_ERR_PARSE, skf_map_line(r, map, position ? "position" : "velocity"),
+                         "both launch and %s, expected launch alone or position and velocity",
+                         position ? "position" : "velocity");
+  if (p->launch.given || (position && velocity)) return SKF_OK;
+  return skf_error_set(r->error, SKF_ERR_PARSE, map->line, "missing '%s' in particle, expected [x, y, z]",
+                       position ? "velocity" : "position");
+}
+
+static const char *name_at(const skf_scene *scene, size_t i) { return scene->particles[i].name; }
+
+skf_status skf_read_particles(skf_reader *r, const skf_node *list, void *into) {
+  skf_scene *scene = into;
+  skf_status s = skf_expect(r, list, SKF_NODE_LIST, "particles", "a list of particles");
+  if (s) return s;
+  scene->particles = skf_alloc((size_t)list->count, sizeof *scene->particles);
+  if (!scene->particles) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+  for (const skf_node *n = skf_node_first(&r->yaml, list); n && !s; n = skf_node_next(&r->yaml, n))
+    s = read_particle(r, n, scene->particles + scene->particle_count++);
+  return s ? s : skf_refuse_duplicates(r, list, "particle", scene->particle_count, name_at);
+}
+
+static skf_status resolve(skf_reader *r, const skf_node *launch, skf_launch *out) {
+  const skf_node *node = skf_map_find(r, launch, "body");
+  skf_status s = skf_expect(r, node, SKF_NODE_SCALAR, "body", "a body's name");
+  if (s) return s;
+  const char *name = skf_node_text(&r->yaml, node);
+  size_t i = 0;
+  while (i < r->scene->body_count && strcmp(r->scene->bodies[i].name, name) != 0) i++;
+  if (i == r->scene->body_count)
+    return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "no body is called '%s', expected the name of a body",
+                         skf_show(name).text);
+  out->body = i;
+  if (r->scene->bodies[i].ellipsoid.given) return SKF_OK;
+  return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "body '%s' has no ellipsoid, expected one for a launch",
+                       skf_show(name).text);
+}
+
+skf_status skf_resolve_launches(skf_reader *r, const skf_node *particles) {
+  const skf_node *n = skf_node_first(&r->yaml, particles);
+  for (size_t i = 0; n; i++, n = skf_node_next(&r->yaml, n)) {
+    skf_particle *p = r->scene->particles + i;
+    if (!p->launch.given) continue;
+    skf_status s = resolve(r, skf_map_find(r, n, "launch"), &p->launch);
+    if (s) return s;
+  }
+  return SKF_OK;
+}
+
+static skf_status read_contact(skf_reader *r, const skf_node *node, void *into) {
+  static const char *const modes[] = {[SKF_CONTACT_NONE] = "none",
+                                      [SKF_CONTACT_STOP] = "stop",
+                                      [SKF_CONTACT_BOUNCE] = "bounce",
+                                      [SKF_CONTACT_STICK] = "stick"};
+  int mode = SKF_CONTACT_STOP;
+  skf_status s = skf_read_choice(r, node, "contact", modes, 4, &mode);
+  ((skf_simulation *)into)->contact = (skf_contact_mode)mode;
+  return s;
+}
+
+static skf_status read_integrator(skf_reader *r, const skf_node *node, void *into) {
+  char *out = ((skf_simulation *)into)->integrator;
+  size_t size = sizeof((skf_simulation *)into)->integrator;
+  skf_status s = skf_expect(r, node, SKF_NODE_SCALAR, "integrator", "an integrator's name");
+  if (s) return s;
+  const char *text = skf_node_text(&r->yaml, node);
+  if (*text && strlen(text) < size) return strcpy(out, text), SKF_OK;
+  return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "integrator is '%s', expected an integrator's name",
+                       skf_show(text).text);
+}
+
+static const skf_key simulation_keys[] = {
+    {"t_end", "T", "end of the flight", SKF_KEY_NUMBER, true, .offset = offsetof(skf_simulation, t_end),
+     .range = &skf_not_negative},
+    {"output_every", "T", "between two rows of output", SKF_KEY_NUMBER, true,
+     .offset = offsetof(skf_simulation, output_every), .range = &skf_positive},
+    {"tolerance", "1", "relative error per step (default: 1e-12)", SKF_KEY_NUMBER, false,
+     .offset = offsetof(skf_simulation, tolerance), .range = &tolerance},
+    {"contact", NULL, "what happens at a surface (default: stop)", SKF_KEY_OTHER, .read = read_contact,
+     .form = "none, stop, bounce or stick"},
+    {"restitution", "1", "of a bounce: normal speed after / before (default: 1)", SKF_KEY_NUMBER, false,
+     .offset = offsetof(skf_simulation, restitution), .range = &skf_fraction},
+    {"friction", "1", "of a bounce, Coulomb's coefficient (default: 0)", SKF_KEY_NUMBER, false,
+     .offset = offsetof(skf_simulation, friction), .range = &skf_not_negative},
+    {"integrator", NULL, "by name (default: the best for the tolerance)", SKF_KEY_OTHER, .read = read_integrator,
+     .form = "an integrator's name"},
+};
+const skf_section skf_section_simulation = {"simulation", "how the particles fly", simulation_keys, 7};
+
+skf_status skf_read_simulation(skf_reader *r, const skf_node *map, void *into) {
+  skf_simulation *sim = &((skf_scene *)into)->simulation;
+  sim->given = true;
+  skf_status s = skf_read_map(r, map, &skf_section_simulation, sim, NULL);
+  if (s || sim->t_end / sim->output_every <= 1e9) return s; /* rows for each particle */
+  return skf_error_set(r->error, SKF_ERR_RANGE, skf_map_line(r, map, "output_every"),
+                       "more than 1e9 output times, expected a larger output_every");
+}
+
+static const skf_key camera_keys[] = {
+    {"from", "L", "where the eye is", SKF_KEY_VECTOR, true, .offset = offsetof(skf_camera, from)},
+    {"to", "L", "what it looks at", SKF_KEY_VECTOR, true, .offset = offsetof(skf_camera, to)},
+    {"up", "1", "upwards in the picture (default: z)", SKF_KEY_VECTOR, false, .offset = offsetof(skf_camera, up)},
+    {"fov", "deg", "vertical field of view (default: 40)", SKF_KEY_ANGLE, false, .offset = offsetof(skf_camera, fov),
+     .range = &half_turn},
+};
+const skf_section skf_section_camera = {"camera", "for render; without one the bodies are framed", camera_keys, 4};
+
+skf_status skf_read_camera(skf_reader *r, const skf_node *map, void *into) {
+  skf_camera *c = &((skf_scene *)into)->camera;
+  c->given = true;
+  skf_status s = skf_read_map(r, map, &skf_section_camera, c, NULL);
+  if (s) return s;
+  skf_vec3 view = v3_unit(v3_sub(c->to, c->from));
+  if (!(v3_norm(view) > 0))
+    return skf_error_set(r->error, SKF_ERR_DEGENERATE, skf_map_line(r, map, "to"),
+                         "from and to are the same point, expected two points");
+  if (v3_norm(v3_cross(view, v3_unit(c->up))) > 1e-9) return SKF_OK; /* below, rounding would turn the picture */
+  return skf_error_set(r->error, SKF_ERR_DEGENERATE, skf_map_line(r, map, "up"),
+                       "up is zero or along the view, expected another direction");
+}
+
+/* A light while it is read. */
+typedef struct lamp {
+  skf_vec3 point, direction;
+  double color[3], intensity;
+} lamp;
+
+enum { LIGHT_POINT, LIGHT_DIRECTION, LIGHT_COLOR, LIGHT_INTENSITY, LIGHT_KEYS };
+
+static const skf_key light_keys[LIGHT_KEYS] = {
+    {"point", "L", "where it is", SKF_KEY_VECTOR, false, .offset = offsetof(lamp, point)},
+    {"direction", "1", "towards a light at infinity", SKF_KEY_VECTOR, false, .offset = offsetof(lamp, direction)},
+    {"color", "1", "linear light (default: white)", SKF_KEY_COLOR, false, .offset = offsetof(lamp, color)},
+    {"intensity", "1", "factor of the colour (default: 1)", SKF_KEY_NUMBER, false, .offset = offsetof(lamp, intensity),
+     .range = &skf_not_negative},
+};
+const skf_section skf_section_light = {"light", "a point or a direction, not both", light_keys, LIGHT_KEYS};
+
+static skf_status read_light(skf_reader *r, const skf_node *map, skf_light *out) {
+  lamp l = {.color = {1, 1, 1}, .intensity = 1};
+  unsigned given;
+  skf_status s = skf_read_map(r, map, &skf_section_light, &l, &given);
+  if (s) return s;
+  bool point = given >> LIGHT_POINT & 1;
+  out->directional = given >> LIGHT_DIRECTION & 1;
+  if (point == out->directional)
+    return skf_error_set(r->error, SKF_ERR_PARSE, map->line, "a light with %s, expected point or direction",
+                         point ? "both point and direction" : "neither point nor direction");
+  if (out->directional && !(v3_norm(v3_unit(l.direction)) > 0))
+    return skf_error_set(r->error, SKF_ERR_DEGENERATE, skf_map_line(r, map, "direction"),
+                         "direction is the zero vector, expected a direction");
+  out->at = point ? l.point : l.direction;
+  for (int i = 0; i < 3; i++) out->color[i] = l.color[i] * l.intensity;
+  return SKF_OK;
+}
+
+skf_status skf_read_lights(skf_reader *r, const skf_node *list, void *into) {
+  skf_scene *scene = into;
+  skf_status s = skf_expect(r, list, SKF_NODE_LIST, "lights", "a list of lights");
+  if (s) return s;
+  scene->lights = skf_alloc((size_t)list->count, sizeof *scene->lights);
+  if (!scene->lights) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+  for (const skf_node *n = skf_node_first(&r->yaml, list); n && !s; n = skf_node_next(&r->yaml, n))
+    s = read_light(r, n, scene->lights + scene->light_count++);
+  return s;
+}

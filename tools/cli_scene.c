@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Scenes and bodies that a command line names. */
+#include "cli.h"
+#include <string.h>
+
+/* A finite mass on an infinite plane is legal, and surprising. */
+static void warn(const char *path, const skf_scene *scene) {
+  for (size_t i = 0; i < scene->body_count; i++) {
+    const skf_body *b = scene->bodies + i;
+    if (b->has_mass && b->mass != 0 && b->rho == 0)
+      cli_say("skelfield: %s:%ld: warning: body '%s' has a mass and infinite measure: its density is 0, it does not "
+              "attract (give it a density)",
+              path, b->line, b->name);
+  }
+}
+
+int cli_scene(const char *path, skf_scene **out) {
+  skf_error e;
+  skf_status s = skf_scene_read(path, out, &e);
+  if (!s) return warn(path, *out), CLI_DONE;
+  if (e.line > 0) return cli_fail(CLI_BAD, "%s:%ld: %s", path, e.line, e.text);
+  return cli_fail(s == SKF_ERR_NOMEM ? CLI_FAILED : CLI_BAD, "%s: %s", path, e.text);
+}
+
+int cli_body(const skf_scene *scene, const char *name) {
+  for (size_t i = 0; i < scene->body_count; i++)
+    if (strcmp(scene->bodies[i].name, name) == 0) return (int)i;
+  char list[256] = "";
+  for (size_t i = 0; i < scene->body_count && strlen(list) < 200; i++) {
+    size_t n = strlen(list);
+    snprintf(list + n, sizeof list - n, "%s%s", i ? ", " : "", scene->bodies[i].name);
+  }
+  cli_fail(CLI_BAD, "no body is called '%s', expected one of %s", name, list);
+  return -1;
+}
