@@ -34,7 +34,5 @@ double skf_cone_transverse(const skf_triangle_view *g, double R);
 
 /* Largest condition of a sum over clipped edges that is kept. */
 #define SKF_COMPACT_COND 30
-/* The cone's slabs bisect towards the point: only where the edge sums of the Hessian give less than 1e-9. */
-#define SKF_CONE_COND_HESSIAN 1e7
 
 #endif

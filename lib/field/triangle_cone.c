@@ -116,12 +116,11 @@ static void cone(const skf_triangle_plan *T, skf_vec3 x, double R, int order, sk
   edges(&g, R, rm, beyond, rim, order, &s);
   skf_triangle_cond c = skf_triangle_assemble(&g, &s, order, v);
   double limit = rim ? SKF_COMPACT_COND : SKF_TRIANGLE_COND;
-  bool keep = fmax(c.F, 0.1 * c.g) <= limit;
-  if (keep && c.h <= SKF_TRIANGLE_COND_HESSIAN) return;
-  if (c.F <= limit) {
-    if (!keep) mend_gradient(&g, R, &s, v);
-    if (c.h <= SKF_CONE_COND_HESSIAN) return;
-    keep = true;
+  bool keep = c.F <= limit;
+  if (keep) {
+    if (0.1 * c.g > limit) mend_gradient(&g, R, &s, v);
+    /* The slabs bisect towards the point. Nearer than the height the edges keep eps times the aspect. */
+    if (c.h <= SKF_TRIANGLE_COND_HESSIAN || g.dist < 0.1 * g.T->twice / g.T->diam) return;
   }
   skf_value slabs = {0};
   skf_compact_slabs(SKF_COMPACT_CONE, R, &g, order, &slabs);
@@ -136,5 +135,5 @@ void skf_triangle_metaball(const skf_prepared *e, skf_vec3 x, int order, skf_val
   cone(&e->plan.triangle, x, R / 3, order, &inner);
   v->F = 1.5 * outer.F - 0.5 * inner.F;
   v->g = v3_mad(v3_scale(1.5, outer.g), -0.5, inner.g);
-  for (int i = 0; i < 6; i++) v->h[i] = 1.5 * outer.h[i] - 0.5 * inner.h[i];
+  for (int i = 0; i < 6 && order > 1; i++) v->h[i] = 1.5 * outer.h[i] - 0.5 * inner.h[i];
 }
