@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Fields: sums of elements, evaluated at points. */
 #include "core/alloc.h"
-#include "field/kernel.h"
+#include "field/quadrature.h"
 #include <string.h>
 
 struct skf_field {
   size_t n;
   skf_element *elements;
+  skf_prepared *prepared;
 };
 
 static skf_status check(const skf_element *e) {
@@ -25,61 +26,77 @@ skf_status skf_field_new(const skf_element *elements, size_t n, skf_field **out)
   }
   skf_field *f = skf_alloc(1, sizeof *f);
   if (f) f->elements = skf_alloc(n, sizeof *elements);
-  if (!f || !f->elements) return skf_field_free(f), SKF_ERR_NOMEM;
+  if (f) f->prepared = skf_alloc(n, sizeof *f->prepared);
+  if (!f || !f->elements || !f->prepared) return skf_field_free(f), SKF_ERR_NOMEM;
   if (n) memcpy(f->elements, elements, n * sizeof *elements);
+  for (size_t i = 0; i < n; i++) skf_prepare(elements + i, f->prepared + i);
   f->n = n;
   return *out = f, SKF_OK;
 }
 
 void skf_field_free(skf_field *f) {
-  if (f) skf_free(f->elements);
+  if (f) skf_free(f->elements), skf_free(f->prepared);
   skf_free(f);
 }
 
 size_t skf_field_size(const skf_field *f) { return f->n; }
 const skf_element *skf_field_element(const skf_field *f, size_t i) { return i < f->n ? f->elements + i : NULL; }
 
-/* Baseline until the closed forms land: midpoint rule, and 1/r on segments exactly. */
-static skf_value crude(const skf_element *e, skf_vec3 x) {
-  const skf_kernel_ops *row = skf_kernel_row(e->kernel.type);
-  const skf_primitive *p = &e->primitive;
-  skf_value v = {0, {0, 0, 0}};
-  double d[4];
-  if (p->shape == SKF_PLANE) return v;
-  int n = p->shape == SKF_POINT ? 1 : 2000, m = p->shape == SKF_TRIANGLE ? 50 : 1;
-  if (p->shape == SKF_TRIANGLE) n = 50;
-  double weight = skf_primitive_measure(p) / (n * m);
-  for (int i = 0; i < n; i++)
-    for (int j = 0; j < m; j++) {
-      skf_vec3 r = v3_sub(x, skf_primitive_point(p, (i + 0.5) / n, (j + 0.5) / m));
-      row->eval(e->kernel.param, v3_norm2(r), d);
-      v.F += weight * d[0];
-      v.g = v3_mad(v.g, 2 * weight * d[1], r);
-    }
-  return v;
+/* A sum with the rounding errors kept apart [Neumaier 1974]. */
+typedef struct sum {
+  double s, low;
+} sum;
+
+static void add(sum *a, double b) {
+  double t = a->s + b;
+  a->low += fabs(a->s) >= fabs(b) ? (a->s - t) + b : (b - t) + a->s;
+  a->s = t;
+}
+
+static double total(sum a) { return isfinite(a.s) ? a.s + a.low : a.s; }
+
+static double evaluate(const skf_field *f, skf_vec3 x, int order, skf_vec3 *g, double h[6]) {
+  sum F = {0, 0}, G[3] = {{0, 0}}, H[6] = {{0, 0}};
+  for (size_t i = 0; i < f->n; i++) {
+    const skf_prepared *e = f->prepared + i;
+    skf_value v = {.F = 0};
+    skf_element_value(e, x, order, &v);
+    add(&F, e->strength * v.F);
+    add(G + 0, e->strength * v.g.x);
+    add(G + 1, e->strength * v.g.y);
+    add(G + 2, e->strength * v.g.z);
+    for (int k = 0; order > 1 && k < 6; k++) add(H + k, e->strength * v.h[k]);
+  }
+  bool finite = isfinite(F.s);
+  *g = finite ? v3(total(G[0]), total(G[1]), total(G[2])) : v3(0, 0, 0);
+  for (int k = 0; order > 1 && k < 6; k++) h[k] = finite ? total(H[k]) : 0;
+  return total(F);
 }
 
 double skf_field_at(const skf_field *f, skf_vec3 p, skf_vec3 *g) {
-  double F = 0;
-  skf_vec3 G = {0, 0, 0};
-  for (size_t i = 0; i < f->n; i++) {
-    skf_value v = crude(f->elements + i, p);
-    F += f->elements[i].strength * v.F;
-    G = v3_mad(G, f->elements[i].strength, v.g);
-  }
-  if (g) *g = G;
-  return F;
+  skf_vec3 ignored;
+  return evaluate(f, p, 1, g ? g : &ignored, NULL);
+}
+
+double skf_field_tensor_at(const skf_field *f, skf_vec3 p, skf_vec3 *g, double h[6]) {
+  skf_vec3 ignored;
+  return evaluate(f, p, 2, g ? g : &ignored, h);
 }
 
 skf_status skf_field_eval(const skf_field *f, size_t n, const double *const p[3], double *F, double *const g[3],
                           double *const h[6]) {
-  if (h) return SKF_ERR_UNSUPPORTED;
 #pragma omp parallel for schedule(static)
   for (size_t i = 0; i < n; i++) {
     skf_vec3 G;
-    double v = skf_field_at(f, v3(p[0][i], p[1][i], p[2][i]), &G);
+    double H[6], v = evaluate(f, v3(p[0][i], p[1][i], p[2][i]), h ? 2 : 1, &G, H);
     if (F) F[i] = v;
-    if (g) g[0][i] = G.x, g[1][i] = G.y, g[2][i] = G.z;
+    if (g) {
+      if (g[0]) g[0][i] = G.x;
+      if (g[1]) g[1][i] = G.y;
+      if (g[2]) g[2][i] = G.z;
+    }
+    for (int k = 0; h && k < 6; k++)
+      if (h[k]) h[k][i] = H[k];
   }
   return SKF_OK;
 }

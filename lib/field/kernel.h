@@ -4,6 +4,7 @@
 #define SKF_FIELD_KERNEL_H
 
 #include "skelfield/field.h"
+#include "field/plan.h"
 #include "field/triangle_plan.h"
 
 /* Value, gradient and Hessian (xx, xy, xz, yy, yz, zz) of one primitive at one point; strength is not in them. */
@@ -20,12 +21,18 @@ typedef struct skf_prepared {
   skf_kernel kernel;
   double strength;
   union {
+    skf_segment_plan segment;
+    skf_arc_plan arc;
+    skf_plane_plan plane;
     skf_triangle_plan triangle;
   } plan;
 } skf_prepared;
 
 /* The primitive has been checked. */
 void skf_prepare(const skf_element *element, skf_prepared *out);
+
+/* The pair's closed form, or quadrature. *v arrives zeroed. */
+void skf_element_value(const skf_prepared *e, skf_vec3 x, int order, skf_value *v);
 
 /* Value and gradient (order 1), Hessian too (order 2). *v arrives zeroed; order 1 leaves v->h alone. On a singular set
    F = +infinity, the rest stays zero. */

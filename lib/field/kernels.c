@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The registry of kernels. */
-#include "field/kernel.h"
+#include "field/quadrature.h"
 #include <string.h>
 
 static const skf_kernel_ops *const registry[SKF_KERNEL_COUNT] = {
@@ -27,4 +27,18 @@ skf_kernel_type skf_kernel_find(const char *name) {
 
 void skf_kernel_eval(skf_kernel kernel, double r2, double d[4]) {
   skf_kernel_row(kernel.type)->eval(kernel.param, r2, d);
+}
+
+void skf_element_value(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
+  skf_closed closed = skf_kernel_row(e->kernel.type)->closed[e->primitive.shape];
+  (closed ? closed : skf_quadrature)(e, x, order, v);
+}
+
+skf_pair_info skf_pair_get(skf_kernel_type kernel, skf_shape shape) {
+  const skf_kernel_ops *row = skf_kernel_row(kernel);
+  skf_pair_info info = {false, 0, NULL};
+  if (!row || (unsigned)shape >= SKF_SHAPE_COUNT) return info;
+  info.closed = row->closed[shape] != NULL;
+  info.error = info.closed ? 1e-12 : 1e-10;
+  return info;
 }
