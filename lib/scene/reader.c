@@ -54,11 +54,9 @@ static const char *kind_of(const skf_node *n) {
 
 skf_status skf_expect(skf_reader *r, const skf_node *node, skf_node_type type, const char *name, const char *form) {
   if (node->type == type) return SKF_OK;
-  if (node->type == SKF_NODE_SCALAR) {
-    const char *text = skf_node_text(&r->yaml, node);
-    return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "%s is %s%s%s, expected %s", name, *text ? "'" : "",
-                         *text ? skf_show(text).text : "empty", *text ? "'" : "", form);
-  }
+  if (node->type == SKF_NODE_SCALAR)
+    return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "%s is %s, expected %s", name,
+                         skf_quote(skf_node_text(&r->yaml, node)).text, form);
   return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "%s is %s, expected %s", name, kind_of(node), form);
 }
 
@@ -78,8 +76,8 @@ skf_status skf_read_number(skf_reader *r, const skf_node *node, const skf_key *k
   if (s == SKF_OK && (text[used] || !node->plain)) s = SKF_ERR_PARSE;
   if (s == SKF_ERR_PARSE) {
     bool quoted = !node->plain;
-    return skf_error_set(r->error, s, node->line, "%s is %s'%s', expected %s%s", key->name, quoted ? "the text " : "",
-                         skf_show(text).text, form, quoted ? " without quotes" : "");
+    return skf_error_set(r->error, s, node->line, "%s is %s%s, expected %s%s", key->name, quoted ? "the text " : "",
+                         skf_quote(text).text, form, quoted ? " without quotes" : "");
   }
   if (s == SKF_ERR_RANGE || !in_range(key->range, x))
     return skf_error_set(r->error, SKF_ERR_RANGE, node->line, "%s is %s, expected %s", key->name, skf_show(text).text,
@@ -132,7 +130,7 @@ skf_status skf_read_name(skf_reader *r, const skf_node *node, const skf_key *key
   for (const char *p = text; *p; p++) /* names go into CSV files and one-line messages */
     if ((unsigned char)*p < 32 || *p == 127 || *p == ',' || *p == '"') good = false;
   if (!good)
-    return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "%s is '%s', expected %s", key->name, skf_show(text).text,
+    return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "%s is %s, expected %s", key->name, skf_quote(text).text,
                          form);
   *out = skf_strdup(text);
   return *out ? SKF_OK : skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
@@ -150,7 +148,7 @@ skf_status skf_read_choice(skf_reader *r, const skf_node *node, const char *name
   const char *text = skf_node_text(&r->yaml, node);
   for (int i = 0; i < n; i++)
     if (strcmp(text, choices[i]) == 0) return *out = i, SKF_OK;
-  return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "%s is '%s', expected %s", name, skf_show(text).text, form);
+  return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "%s is %s, expected %s", name, skf_quote(text).text, form);
 }
 
 static skf_status read_value(skf_reader *r, const skf_node *value, const skf_key *key, void *into) {

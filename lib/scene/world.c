@@ -119,8 +119,8 @@ static skf_status read_integrator(skf_reader *r, const skf_node *node, void *int
   if (s) return s;
   const char *text = skf_node_text(&r->yaml, node);
   if (*text && strlen(text) < size) return strcpy(out, text), SKF_OK;
-  return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "integrator is '%s', expected an integrator's name",
-                       skf_show(text).text);
+  return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "integrator is %s, expected an integrator's name",
+                       skf_quote(text).text);
 }
 
 static const skf_key simulation_keys[] = {

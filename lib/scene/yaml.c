@@ -16,6 +16,7 @@ typedef struct builder {
   yaml_event_t event;
   const char *text;
   size_t length;
+  long last_line;
   int depth;
   size_t open[DEPTH], last[DEPTH]; /* the containers that are open, and their latest children */
 } builder;
@@ -33,7 +34,7 @@ skf_status skf_error_set(skf_error *error, skf_status status, long line, const c
 
 skf_shown skf_show(const char *text) {
   skf_shown s;
-  size_t n = strlen(text), room = sizeof s.text - 1;
+  size_t n = strlen(text), room = sizeof s.text - 4; /* two quotes and NUL must fit, too */
   bool cut = n > room;
   if (cut) {
     n = room - 3;
@@ -41,6 +42,13 @@ skf_shown skf_show(const char *text) {
   }
   for (size_t i = 0; i < n; i++) s.text[i] = (unsigned char)text[i] < 32 || text[i] == 127 ? '?' : text[i];
   strcpy(s.text + n, cut ? "..." : "");
+  return s;
+}
+
+skf_shown skf_quote(const char *text) {
+  skf_shown inner = skf_show(text), s;
+  const char *mark = *text ? "'" : "";
+  snprintf(s.text, sizeof s.text, "%s%.*s%s", mark, (int)sizeof s.text - 3, *text ? inner.text : "empty", mark);
   return s;
 }
 
@@ -52,13 +60,18 @@ static void *grow(void *array, size_t need, size_t *capacity, size_t size) {
   return more;
 }
 
-static long line_of(const yaml_event_t *e) { return (long)e->start_mark.line + 1; }
-
 static long line_at(const builder *b, size_t offset) {
   long line = 1;
   for (size_t i = 0; i < offset && i < b->length; i++) line += b->text[i] == '\n';
   return line;
 }
+
+/* libyaml places what is missing at the end behind the last line. */
+static long clamp_line(const builder *b, size_t line) {
+  return (long)line + 1 < b->last_line ? (long)line + 1 : b->last_line;
+}
+
+static long line_of(const builder *b) { return clamp_line(b, b->event.start_mark.line); }
 
 static skf_status syntax(const builder *b) {
   const yaml_parser_t *p = &b->parser;
@@ -66,9 +79,9 @@ static skf_status syntax(const builder *b) {
   const char *problem = p->problem ? p->problem : "unreadable text";
   if (p->error == YAML_READER_ERROR)
     return skf_error_set(b->error, SKF_ERR_PARSE, line_at(b, p->problem_offset), "%s, expected UTF-8 text", problem);
-  long line = (long)p->problem_mark.line + 1, last = line_at(b, b->length ? b->length - 1 : 0);
-  return skf_error_set(b->error, SKF_ERR_PARSE, line < last ? line : last, "%s%s%s, expected well-formed YAML",
-                       p->context ? p->context : "", p->context ? ": " : "", problem);
+  return skf_error_set(b->error, SKF_ERR_PARSE, clamp_line(b, p->problem_mark.line),
+                       "%s%s%s, expected well-formed YAML", p->context ? p->context : "", p->context ? ": " : "",
+                       problem);
 }
 
 /* Adds a node below the innermost open container. */
@@ -94,7 +107,7 @@ static skf_status add_scalar(builder *b) {
   skf_yaml *y = b->y;
   size_t n = e->data.scalar.length;
   if (memchr(e->data.scalar.value, 0, n))
-    return skf_error_set(b->error, SKF_ERR_PARSE, line_of(e), "text with a NUL character, expected plain text");
+    return skf_error_set(b->error, SKF_ERR_PARSE, line_of(b), "text with a NUL character, expected plain text");
   char *pool = grow(y->pool, y->pool_size + n + 1, &y->pool_capacity, 1);
   if (!pool) return skf_error_set(b->error, SKF_ERR_NOMEM, 0, "out of memory");
   y->pool = pool;
@@ -102,7 +115,7 @@ static skf_status add_scalar(builder *b) {
   pool[y->pool_size + n] = 0;
   skf_node node = {.type = SKF_NODE_SCALAR,
                    .plain = e->data.scalar.style == YAML_PLAIN_SCALAR_STYLE,
-                   .line = (int)line_of(e),
+                   .line = (int)line_of(b),
                    .text = y->pool_size};
   y->pool_size += n + 1;
   return add(b, node);
@@ -110,10 +123,9 @@ static skf_status add_scalar(builder *b) {
 
 static skf_status open_container(builder *b, skf_node_type type) {
   if (b->depth == DEPTH)
-    return skf_error_set(b->error, SKF_ERR_PARSE, line_of(&b->event), "nested too deep, expected at most %d levels",
-                         DEPTH);
+    return skf_error_set(b->error, SKF_ERR_PARSE, line_of(b), "nested too deep, expected at most %d levels", DEPTH);
   size_t id = b->y->node_count;
-  skf_status s = add(b, (skf_node){.type = type, .line = (int)line_of(&b->event)});
+  skf_status s = add(b, (skf_node){.type = type, .line = (int)line_of(b)});
   if (s) return s;
   b->open[b->depth] = id;
   b->last[b->depth++] = 0;
@@ -126,7 +138,7 @@ static void close_container(builder *b) {
 }
 
 static skf_status refuse(const builder *b, const char *what) {
-  return skf_error_set(b->error, SKF_ERR_PARSE, line_of(&b->event), "%s, expected plain YAML without it", what);
+  return skf_error_set(b->error, SKF_ERR_PARSE, line_of(b), "%s, expected plain YAML without it", what);
 }
 
 static skf_status take(builder *b, int *documents) {
@@ -164,7 +176,10 @@ static skf_status build(builder *b) {
 
 skf_status skf_yaml_read(const char *text, size_t length, skf_yaml *out, skf_error *error) {
   *out = (skf_yaml){0};
+  bool mark = length >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0; /* libyaml reads no %YAML behind it */
+  if (mark) text += 3, length -= 3;
   builder b = {.y = out, .error = error, .text = text, .length = length};
+  b.last_line = line_at(&b, length ? length - 1 : 0);
   if (!yaml_parser_initialize(&b.parser)) return skf_error_set(error, SKF_ERR_NOMEM, 0, "out of memory");
   yaml_parser_set_encoding(&b.parser, YAML_UTF8_ENCODING);
   yaml_parser_set_input_string(&b.parser, (const unsigned char *)text, length);

@@ -38,9 +38,11 @@ static inline const skf_node *skf_node_next(const skf_yaml *y, const skf_node *n
 
 /* Text of the user's that is fit for a one-line message: short, no control characters. */
 typedef struct skf_shown {
-  char text[44];
+  char text[48];
 } skf_shown;
 skf_shown skf_show(const char *text);
+/* The same in quotes, or "empty". */
+skf_shown skf_quote(const char *text);
 
 /* Fills *error, unless it is NULL, and returns status. */
 skf_status skf_error_set(skf_error *error, skf_status status, long line, const char *format, ...)
