@@ -19,8 +19,8 @@ typedef struct part {
 
 /* Antiderivatives; they would cancel where the disc is a small cap of the support. */
 static part closed_part(const skf_triangle_view *g, double R, int i, const skf_edge_clip *e, skf_triangle_sum *s) {
-  double d = g->d[i], z = g->z, az = fabs(z), c2 = d * d + z * z, c = hypot(d, z), b1 = e->b1, b2 = e->b2;
-  double r1 = hypot(c, b1), r2 = hypot(c, b2), len = b2 - b1, R2 = R * R;
+  double d = g->d[i], z = g->z, az = fabs(z), c2 = d * d + z * z, b1 = e->b1, b2 = e->b2;
+  double r1 = sqrt(c2 + b1 * b1), r2 = sqrt(c2 + b2 * b2), len = b2 - b1, R2 = R * R;
   double lam = skf_edge_log(b1, b2, c2, r1, r2), solid = skf_edge_solid(d, z, c2, b1, r1, b2, r2);
   double th = d * lam - az * solid, int_r = 0.5 * (b2 * r2 - b1 * r1 + c2 * lam);
   double int_l2 = len * (b1 * b1 + b1 * b2 + b2 * b2) / 3;
@@ -41,7 +41,7 @@ static part panel_part(const skf_triangle_view *g, double R, int i, const skf_ed
   for (int k = 0; k < p.count; k++) {
     skf_panel_nodes(&p, k, l, w);
     for (int j = 0; j < SKF_PANEL_NODES; j++) {
-      double r = hypot(c, l[j]), u = r / R, us = u + w0;
+      double r = sqrt(c * c + l[j] * l[j]), u = r / R, us = u + w0;
       double a = (e->chord - l[j]) * (e->chord + l[j]) / (R2 * (1 + u)), rho2 = d * d + l[j] * l[j];
       s->J[i] += w[j] * a * a;
       s->K[i] -= w[j] * 2 * a / (R * r);

@@ -74,6 +74,6 @@ void skf_panel_nodes(const skf_panels *p, int panel, double l[SKF_PANEL_NODES], 
   for (int i = 0; i < SKF_PANEL_NODES; i++) {
     double t = mid + half * g[i].x;
     l[i] = p->plain ? t : p->delta * sinh(t);
-    w[i] = half * g[i].w * (p->plain ? 1 : hypot(p->delta, l[i]));
+    w[i] = half * g[i].w * (p->plain ? 1 : sqrt(p->delta * p->delta + l[i] * l[i]));
   }
 }

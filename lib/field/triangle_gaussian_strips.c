@@ -61,7 +61,8 @@ static void slice(const strips *s, double eta, double w, moments *m) {
 static void set_up(strips *s, double a, const skf_triangle_view *g) {
   const skf_triangle_plan *T = g->T;
   int i = T->longest;
-  *s = (strips){.a = a, .z = g->z, .d = g->d[i], .l1 = g->l1[i], .l2 = g->l2[i], .apex = g->apex, .L = T->diam};
+  *s = (strips){
+      .a = a, .z = g->z, .d = g->d[i], .l1 = g->l1[i], .l2 = g->l2[i], .apex = skf_triangle_apex(g), .L = T->diam};
   s->height = T->twice / T->diam;
   s->reach = sqrt(g->lat * g->lat + 42 / (a * a));
   s->e0 = fmax(0, s->d - s->reach);

@@ -13,10 +13,14 @@ void skf_triangle_prepare(const skf_triangle *triangle, skf_triangle_plan *T) {
   T->N = dd3_cross(T->e[0], T->e[1]);
   T->twice = sqrt(dd3_dot(T->N, T->N).hi);
   T->area = 0.5 * T->twice;
+  T->per_N = 1 / T->twice;
   T->n = over(T->N, T->twice);
   T->longest = 0;
   for (int i = 0; i < 3; i++) {
     T->m[i] = v3_cross(T->t[i], T->n);
+    T->M[i] = dd3_cross(T->e[i], T->N);
+    T->per_L[i] = 1 / T->L[i];
+    T->per_M[i] = T->per_N * T->per_L[i];
     if (T->L[i] > T->L[T->longest]) T->longest = i;
   }
   int i = T->longest, j = (i + 1) % 3, k = (i + 2) % 3;
@@ -64,20 +68,28 @@ void skf_triangle_face(const skf_triangle_plan *T, skf_vec3 x, skf_triangle_view
 
 void skf_triangle_look(skf_triangle_view *g) {
   const skf_triangle_plan *T = g->T;
-  g->z = -dd3_dot(T->N, g->a2[g->nearest]).hi / T->twice;
+  g->z = -dd3_dot_round(T->N, g->a2[g->nearest]) * T->per_N;
   g->inside = true;
-  g->lat = INFINITY;
+  double lat2 = INFINITY;
   for (int i = 0; i < 3; i++) {
-    int j = (i + 1) % 3, near = g->r[i] <= g->r[j] ? i : j;
-    g->l1[i] = dd3_dot(T->e[i], g->a2[i]).hi / T->L[i];
-    g->l2[i] = dd3_dot(T->e[i], g->a2[j]).hi / T->L[i];
-    g->d[i] = dd3_dot(T->N, dd3_cross(g->a2[near], T->e[i])).hi / (T->twice * T->L[i]);
+    int j = (i + 1) % 3;
+    bool first = g->r[i] <= g->r[j];
+    const skf_dd3 *near = g->a2 + (first ? i : j);
+    double l = dd3_dot_round(T->e[i], *near) * T->per_L[i];
+    g->l1[i] = first ? l : l - T->L[i];
+    g->l2[i] = first ? l + T->L[i] : l;
+    g->d[i] = dd3_dot_round(T->M[i], *near) * T->per_M[i];
     if (g->d[i] < 0) g->inside = false;
-    g->lat = fmin(g->lat, hypot(g->d[i], skf_edge_nearest(g->l1[i], g->l2[i])));
+    double beyond = skf_edge_nearest(g->l1[i], g->l2[i]);
+    lat2 = fmin(lat2, g->d[i] * g->d[i] + beyond * beyond);
   }
-  if (g->inside) g->lat = 0;
-  g->dist = hypot(g->z, g->lat);
-  g->apex = dd3_dot(T->e[T->longest], g->a2[(T->longest + 2) % 3]).hi / T->diam;
+  g->lat = g->inside ? 0 : sqrt(lat2);
+  g->dist = sqrt(g->z * g->z + g->lat * g->lat);
+}
+
+double skf_triangle_apex(const skf_triangle_view *g) {
+  const skf_triangle_plan *T = g->T;
+  return dd3_dot_round(T->e[T->longest], g->a2[(T->longest + 2) % 3]) / T->diam;
 }
 
 void skf_triangle_rotate(const skf_triangle_plan *T, const double b[6], double h[6]) {
@@ -109,7 +121,7 @@ skf_triangle_cond skf_triangle_assemble(const skf_triangle_view *g, const skf_tr
   v->F = s->F;
   v->g = v3_add(v3_scale(gt, T->t[T->longest]), v3_add(v3_scale(gm, T->m[T->longest]), v3_scale(s->Z, T->n)));
   skf_triangle_cond c = {condition(s->absF, fabs(s->F)), 0, 1};
-  c.g = condition(abs_g, fmax(hypot(hypot(gt, gm), s->Z), 1e-3 * fabs(s->F) / S));
+  c.g = condition(abs_g, fmax(fmax(fmax(fabs(gt), fabs(gm)), fabs(s->Z)), 1e-3 * fabs(s->F) / S));
   if (order < 2) return c;
 
   double b[6] = {0, 0, 0, 0, 0, s->zz}, abs_h = s->abszz, size = fabs(s->zz);
@@ -123,7 +135,7 @@ skf_triangle_cond skf_triangle_assemble(const skf_triangle_view *g, const skf_tr
     b[4] -= ci * zk;
     abs_h += fabs(dk) + fabs(zk) + fabs(si * jump);
   }
-  for (int i = 0; i < 5; i++) size = hypot(size, b[i]);
+  for (int i = 0; i < 5; i++) size = fmax(size, fabs(b[i]));
   c.h = condition(abs_h, fmax(size, 1e-3 * fabs(s->F) / (S * S)));
   skf_triangle_rotate(T, b, v->h);
   return c;

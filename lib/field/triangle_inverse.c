@@ -6,8 +6,8 @@
 static void edges(const skf_triangle_view *g, int order, skf_triangle_sum *s) {
   double az = fabs(g->z), sign = (g->z > 0) - (g->z < 0);
   for (int i = 0; i < 3; i++) {
-    double d = g->d[i], l1 = g->l1[i], l2 = g->l2[i], c2 = d * d + g->z * g->z, c = hypot(d, g->z);
-    double r1 = hypot(c, l1), r2 = hypot(c, l2), sum_l = l1 + l2, L = l2 - l1;
+    double d = g->d[i], l1 = g->l1[i], l2 = g->l2[i], c2 = d * d + g->z * g->z;
+    double r1 = g->r[i], r2 = g->r[(i + 1) % 3], sum_l = l1 + l2, L = l2 - l1;
     if (order > 1 && r1 > 0 && r2 > 0) s->jump[i] = -L * sum_l / (r1 * r2 * (r1 + r2));
     if (c2 == 0 && skf_edge_nearest(l1, l2) == 0) continue; /* on the edge: its own term is infinite or 0 */
     double lam = skf_edge_log(l1, l2, c2, r1, r2), b = skf_edge_solid(d, g->z, c2, l1, r1, l2, r2);
@@ -20,12 +20,15 @@ static void edges(const skf_triangle_view *g, int order, skf_triangle_sum *s) {
   }
 }
 
+/* The edges lose (distance / diameter)^2; at 4 the quadrature costs as much. */
+#define FAR 4
+
 void skf_triangle_inverse(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
   const skf_triangle_plan *T = &e->plan.triangle;
   skf_kernel_eval_fn eval = skf_kernel_row(SKF_INVERSE)->eval;
   skf_triangle_view g;
   skf_triangle_face(T, x, &g);
-  if (g.dist >= 1.5 * T->diam) {
+  if (g.dist >= FAR * T->diam) {
     skf_quad_conical(eval, 0, g.a, T->area, skf_quad_order(g.dist, T->diam), order, v);
     return;
   }

@@ -3,18 +3,18 @@
    closed form has twelve dilogarithms that cancel like (|z| / L)^2). */
 #include "field/triangle_parts.h"
 
-/* log(1 + u^2) */
-static double log_1_sq(double u) { return u > 1e8 ? 2 * log(u) : log1p(u * u); }
+/* log(1 + a / b), also where the ratio overflows */
+static double log_1_plus(double a, double b) { return a > 1e17 * b ? log(a) - log(b) : log1p(a / b); }
 
 /* Over the triangle, or higher than beside it: H-form, dF/dz = -(1/z) sum_i d_i J_i. */
 static void high(const skf_triangle_view *g, int i, double c, skf_triangle_sum *s) {
-  double d = g->d[i], l1 = g->l1[i], l2 = g->l2[i], az = fabs(g->z), F = 0, l[SKF_PANEL_NODES], w[SKF_PANEL_NODES];
+  double d = g->d[i], l1 = g->l1[i], l2 = g->l2[i], z2 = g->z * g->z, F = 0, l[SKF_PANEL_NODES], w[SKF_PANEL_NODES];
   skf_panels p = skf_panels_over(l1, l2, fmax(c, 1e-3 * skf_edge_nearest(l1, l2)));
   for (int k = 0; k < p.count; k++) {
     skf_panel_nodes(&p, k, l, w);
     for (int j = 0; j < SKF_PANEL_NODES; j++) {
-      double rho = hypot(d, l[j]);
-      F += w[j] * log_1_sq(rho / az) / (rho * rho);
+      double rho2 = d * d + l[j] * l[j];
+      F += w[j] * log_1_plus(rho2, z2) / rho2;
     }
   }
   skf_sum_F(s, 0.5 * d * F);

@@ -29,7 +29,6 @@ typedef struct skf_triangle_view {
   /* from here on filled in by skf_triangle_look */
   double z;                  /* height over the plane, along the normal */
   double d[3], l1[3], l2[3]; /* edge by edge: distance of its line from p', abscissae of its ends */
-  double apex;               /* abscissa of the third vertex along the longest edge */
   bool inside;               /* p' is in the closed triangle */
   double lat;                /* from p' to the triangle */
 } skf_triangle_view;
@@ -38,6 +37,9 @@ typedef struct skf_triangle_view {
 void skf_triangle_face(const skf_triangle_plan *T, skf_vec3 x, skf_triangle_view *g);
 /* The rest. */
 void skf_triangle_look(skf_triangle_view *g);
+
+/* Abscissa of the third vertex along the longest edge. */
+double skf_triangle_apex(const skf_triangle_view *g);
 
 /* Distance from the origin to the triangle of three vertices [Ericson, Real-Time Collision Detection, 5.1.5]. */
 double skf_triangle_distance(const skf_vec3 a[3]);

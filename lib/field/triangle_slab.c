@@ -186,10 +186,17 @@ void skf_compact_slabs(skf_compact_kind kind, double R, const skf_triangle_view 
   double rm = sqrt((R - fabs(z)) * (R + fabs(z)));
   if (kind == SKF_COMPACT_CONE) {
     parts p = {kind, R, z, rm, 1e-7 * fmin(height, R), 0, &m};
-    bisect(&p, (corner[]){{g->l1[i], -d}, {g->l2[i], -d}, {g->apex, height - d}}, T->area);
+    bisect(&p, (corner[]){{g->l1[i], -d}, {g->l2[i], -d}, {skf_triangle_apex(g), height - d}}, T->area);
   } else {
-    slab s = {
-        .kind = kind, .R = R, .z = z, .rm = rm, .Y0 = -d, .H = height, .x1 = g->l1[i], .L = T->diam, .apex = g->apex};
+    slab s = {.kind = kind,
+              .R = R,
+              .z = z,
+              .rm = rm,
+              .Y0 = -d,
+              .H = height,
+              .x1 = g->l1[i],
+              .L = T->diam,
+              .apex = skf_triangle_apex(g)};
     slab_moments(&s, &m);
   }
   /* q - p = (X, -Y, -z) in (t, m, n) */

@@ -36,12 +36,12 @@ static double chord(double R, double d, double z) { return sqrt(fmax((R - fabs(z
 double skf_cone_transverse(const skf_triangle_view *g, double R) {
   const skf_triangle_plan *T = g->T;
   int i = T->longest;
-  double height = T->twice / T->diam, total = 0, bottom = chord(R, g->d[i], g->z);
+  double height = T->twice / T->diam, total = 0, bottom = chord(R, g->d[i], g->z), apex = skf_triangle_apex(g);
   for (int step = 1; step <= 2; step++) {
     int j = (i + step) % 3;
     bool left = step == 2;
-    side s = {g, R, height, -g->d[i], g->l1[j], g->l2[j] - g->l1[j], left ? g->apex : g->l2[i], -T->c[j], left};
-    if (!(left ? g->apex > g->l1[i] : g->l2[i] > g->apex)) continue;
+    side s = {g, R, height, -g->d[i], g->l1[j], g->l2[j] - g->l1[j], left ? apex : g->l2[i], -T->c[j], left};
+    if (!(left ? apex > g->l1[i] : g->l2[i] > apex)) continue;
     double own = chord(R, g->d[j], g->z), delta = fmin(hypot(g->d[j], g->z), hypot(g->d[i], g->z));
     /* breaks: the foot of p on the side edge and on the longest one, the rim on both */
     double at[8] = {g->l1[j], g->l2[j], 0, own, -own};

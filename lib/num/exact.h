@@ -90,6 +90,16 @@ static inline double dd3_power(double R, skf_dd3 d) {
   return sum.hi + low;
 }
 
+/* a . b to an ulp or two unless it cancels beyond 1e-30. */
+static inline double dd3_dot_round(skf_dd3 a, skf_dd3 b) {
+  skf_dd px = dd_two_prod(a.x.hi, b.x.hi), py = dd_two_prod(a.y.hi, b.y.hi), pz = dd_two_prod(a.z.hi, b.z.hi);
+  px.lo += a.x.hi * b.x.lo + a.x.lo * b.x.hi;
+  py.lo += a.y.hi * b.y.lo + a.y.lo * b.y.hi;
+  pz.lo += a.z.hi * b.z.lo + a.z.lo * b.z.hi;
+  skf_dd s = dd_two_sum(px.hi, py.hi), t = dd_two_sum(s.hi, pz.hi);
+  return t.hi + ((s.lo + t.lo) + (px.lo + py.lo + pz.lo));
+}
+
 /* a . b for doubles b, to an ulp or two unless it cancels beyond 1e-30. */
 static inline double dd3_dot_d(skf_dd3 a, skf_vec3 b) {
   const skf_dd c[3] = {a.x, a.y, a.z};
