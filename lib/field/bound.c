@@ -2,7 +2,6 @@
 /* Enclosures of fields in balls. A decreasing envelope M(r) of the kernel is summed over shells around the ball's
    center: integral of M dmu <= sum_k M(r_k) (m(r_k+1) - m(r_k)), where m(r) is at least the measure within r. */
 #include "field/bound.h"
-#include "field/envelope.h"
 #include "core/vec3.h"
 
 /* How much of a primitive can lie within a distance r of a point. */
@@ -110,9 +109,9 @@ skf_bound skf_element_bound(const skf_element *e, skf_vec3 center, double radius
   return out;
 }
 
-double skf_element_reach(const skf_element *e, double d) {
+skf_envelope skf_element_reach(const skf_element *e, double d) {
   const skf_primitive *p = &e->primitive;
-  if (p->shape == SKF_PLANE) return skf_plane_envelope(e->kernel, d).value;
+  if (p->shape == SKF_PLANE) return skf_plane_envelope(e->kernel, d);
   /* worst at a distance d: beside a segment's middle, above a triangle, for arcs see arc_within */
   reach m = {.shape = p->shape, .total = skf_primitive_measure(p), .near = d, .far = d, .h2 = d * d};
   if (p->shape == SKF_SEGMENT) {
@@ -124,7 +123,9 @@ double skf_element_reach(const skf_element *e, double d) {
   } else if (p->shape == SKF_TRIANGLE) {
     m.far = hypot(d, sqrt(m.total / SKF_PI));
   }
-  return shells(e->kernel, &m, 0).value * (1 + 1e-12);
+  skf_envelope v = shells(e->kernel, &m, 0);
+  double loose = 1 + 1e-12;
+  return (skf_envelope){loose * v.value, loose * v.slope, loose * v.bend, loose * v.fourth};
 }
 
 skf_bound skf_field_bound(const skf_field *field, skf_vec3 center, double radius) {

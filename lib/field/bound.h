@@ -3,13 +3,14 @@
 #ifndef SKF_FIELD_BOUND_H
 #define SKF_FIELD_BOUND_H
 
-#include "skelfield/field.h"
+#include "field/envelope.h"
 
 /* Of strength times the primitive's field in |p - center| <= radius; `fourth` is infinite where a kink may be inside.
  */
 skf_bound skf_element_bound(const skf_element *e, skf_vec3 center, double radius);
 
-/* Upper bound, over all p at a distance >= d from the primitive, of the primitive's field (strength 1). */
-double skf_element_reach(const skf_element *e, double d);
+/* Suprema, over all p at a distance >= d from the primitive, of the primitive's field (strength 1) and its derivatives.
+   Kinks are not looked for: see skf_kernel_kinked. */
+skf_envelope skf_element_reach(const skf_element *e, double d);
 
 #endif

@@ -4,7 +4,6 @@
 #include "core/alloc.h"
 #include "core/vec3.h"
 #include "field/bound.h"
-#include "field/envelope.h"
 
 /* Upper bound of F beyond the plane at `c` along axis i, on the positive (sign = 1) or negative side. */
 static double beyond(const skf_field *f, int i, double sign, double c) {
@@ -14,7 +13,7 @@ static double beyond(const skf_field *f, int i, double sign, double c) {
     if (!(e->strength > 0)) continue;
     skf_box b = skf_primitive_bounds(&e->primitive);
     double top = sign > 0 ? v3_get(b.hi, i) : v3_get(b.lo, i);
-    sum += e->strength * skf_element_reach(e, fmax(sign * (c - top), 0));
+    sum += e->strength * skf_element_reach(e, fmax(sign * (c - top), 0)).value;
   }
   return sum;
 }
@@ -106,7 +105,7 @@ skf_status skf_field_region(const skf_field *field, double iso, skf_box *out) {
       if (e->strength < 0 && skf_kernel_get(e->kernel.type)->singular) sup = INFINITY; /* it grows with distance */
     }
     if (!(e->strength > 0)) continue;
-    sup += e->strength * skf_element_reach(e, 0);
+    sup += e->strength * skf_element_reach(e, 0).value;
     b = box_join(b, skf_primitive_bounds(&e->primitive));
     scale = fmax(scale, skf_kernel_width(e->kernel));
   }

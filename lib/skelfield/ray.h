@@ -29,20 +29,37 @@ typedef struct skf_ray_report {
   size_t grazing; /* cells that touch the surface too closely to decide at the floor of subdivision */
 } skf_ray_report;
 
-/* A field with an iso value, ready for rays: immutable, safe to share between threads. Borrows the field. */
+/* A field with an iso value, ready for rays: immutable, safe to share between threads. Borrows the field. iso may have
+   any sign, strengths too; surfaces may be unbounded. SKF_ERR_ARG if iso is not finite. */
 typedef struct skf_tracer skf_tracer;
 
 SKF_API skf_status skf_tracer_new(const skf_field *field, double iso, skf_tracer **out);
 SKF_API void skf_tracer_free(skf_tracer *tracer);
 
-/* Every crossing with t in [t_min, t_max], in order of t: at most `capacity` go to hits, *count is the true number. The
-   report may be NULL. */
+/* What is certified. A crossing is a place where F - iso changes sign; a surface that is touched from one side is not
+   crossed. The ray is cut into cells. A cell is passed when bounds on F, or the cubic through values and slopes at its
+   ends with a bound on its error, keep iso out of it; it holds exactly one crossing when its ends have different signs
+   and the cubic's slope stays away from 0 by more than its error. Any other cell is halved, down to the rounding of F
+   and of the coordinates; what is left there is counted as `grazing`. So with grazing = 0 no crossing is missed and
+   none is invented, up to rounding of F. (The bounds: field/envelope.h.)
+
+   A hit is polished until |F - iso| is rounding of F or the coordinates cannot tell more. A ray that starts on the
+   surface, to rounding, does not hit its own start: its first hit is the next crossing.
+
+   All functions: SKF_ERR_ARG if the direction is zero or a number is not finite (t_max may be infinite). The report may
+   be NULL. */
+
+/* Every crossing with t in [t_min, t_max], in order of t: at most `capacity` go to hits, *count is the true number. */
 SKF_API skf_status skf_tracer_all(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_hit *hits,
                                   size_t *count, skf_ray_report *report);
 
-/* The first crossing; *found tells whether there is one. */
+/* The first crossing; *found tells whether there is one. The ray beyond it is not looked at. */
 SKF_API skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray, skf_hit *hit, bool *found,
                                     skf_ray_report *report);
+
+/* Only whether there is a crossing: cheaper, it is not polished. */
+SKF_API skf_status skf_tracer_occluded(const skf_tracer *tracer, const skf_ray *ray, bool *occluded,
+                                       skf_ray_report *report);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT */
+#include "ray/source.h"
+#include "core/alloc.h"
+#include "core/vec3.h"
+#include "field/bound.h"
+#include "skeleton/shape.h"
+#include <stdint.h>
+#include <string.h>
+
+enum { PER_OCTAVE = 8 };
+
+/* Below: nearest point of the primitive at d; the measure within a length s of it is at least mu (s / size)^power. */
+static double infimum(const skf_source *s, double d) {
+  skf_shape shape = s->element.primitive.shape;
+  double power = shape == SKF_POINT ? 0 : shape == SKF_TRIANGLE ? 2 : 1, sum = 0, part[4];
+  double size = shape == SKF_TRIANGLE ? 2 * s->reach : s->measure, from = 0;
+  if (shape == SKF_POINT) size = 0;
+  for (int k = 16; k >= 0; k--) { /* lambda = 0, 2^-8, ..., 2^-1/2, 1 */
+    double to = exp2(-0.5 * k);
+    skf_kernel_eval(s->element.kernel, (d + to * size) * (d + to * size), part);
+    sum += (pow(to, power) - (from > 0 ? pow(from, power) : 0)) * part[0];
+    if (shape == SKF_POINT) return s->measure * part[0] * (1 - 1e-12);
+    from = to;
+  }
+  return s->measure * sum * (1 - 1e-12);
+}
+
+static skf_status tabulate(skf_source *s) {
+  double width = skf_kernel_width(s->element.kernel), size = 2 * s->reach;
+  double first = width > 0 ? width / 16 : size / 4096, last = 8 * fmax(width, size);
+  s->unit = exp2(floor(log2(first)));
+  s->grades = (size_t)fmin(PER_OCTAVE * (1 + ceil(log2(last / s->unit))), 40 * PER_OCTAVE);
+  s->grade = skf_alloc(s->grades, sizeof *s->grade);
+  if (!s->grade) return SKF_ERR_NOMEM;
+  for (size_t i = 0; i < s->grades; i++) {
+    double octave = ldexp(s->unit, (int)(i / PER_OCTAVE)), step = octave / PER_OCTAVE;
+    double d = octave + (double)(i % PER_OCTAVE) * step;
+    s->grade[i].above = skf_element_reach(&s->element, d);
+    s->grade[i].below = infimum(s, d + step);
+  }
+  return SKF_OK;
+}
+
+static void frame(skf_source *s) {
+  const skf_primitive *p = &s->element.primitive;
+  if (p->shape == SKF_SEGMENT) {
+    s->a = p->segment.from;
+    s->b = v3_unit(v3_sub(p->segment.to, p->segment.from));
+    s->length = s->measure;
+  } else if (p->shape == SKF_ARC) {
+    skf_arc_axes x = skf_arc_frame(&p->arc);
+    double half = 0.5 * p->arc.sweep; /* a: towards the middle of the arc */
+    s->a = v3_mad(v3_scale(cos(half), x.e), sin(half), x.f);
+    s->b = x.n;
+    s->c = p->arc.center;
+    s->length = p->arc.radius;
+    s->cosine = cos(half);
+    s->whole = p->arc.sweep >= 2 * SKF_PI;
+  } else if (p->shape == SKF_PLANE) {
+    s->a = p->plane.through;
+    s->b = v3_unit(p->plane.normal);
+  }
+}
+
+skf_status skf_source_init(const skf_element *element, skf_source *s) {
+  *s = (skf_source){.element = *element, .weight = element->strength};
+  const skf_primitive *p = &s->element.primitive;
+  s->measure = skf_primitive_measure(p);
+  if (p->shape == SKF_PLANE) {
+    s->reach = INFINITY;
+  } else {
+    skf_box b = skf_primitive_bounds(p);
+    s->middle = box_center(b);
+    s->reach = fmin(0.5 * box_diagonal(b), skf_primitive_distance_max(p, s->middle)) * (1 + 1e-12);
+  }
+  frame(s);
+  return p->shape == SKF_PLANE || p->shape == SKF_POINT ? SKF_OK : tabulate(s);
+}
+
+void skf_source_free(skf_source *s) { skf_free(s->grade); }
+
+static double to_arc(const skf_source *s, skf_vec3 x) {
+  skf_vec3 d = v3_sub(x, s->c);
+  double z = v3_dot(d, s->b), k = sqrt(fmax(v3_norm2(d) - z * z, 0)), out = k - s->length;
+  if (s->whole || v3_dot(d, s->a) >= k * s->cosine) return sqrt(out * out + z * z);
+  return skf_primitive_distance(&s->element.primitive, x);
+}
+
+double skf_source_distance(const skf_source *s, skf_vec3 x) {
+  switch (s->element.primitive.shape) {
+  case SKF_POINT: return v3_dist(x, s->element.primitive.point.at);
+  case SKF_SEGMENT: {
+    skf_vec3 d = v3_sub(x, s->a);
+    double u = fmin(fmax(v3_dot(d, s->b), 0), s->length);
+    return v3_norm(v3_mad(d, -u, s->b));
+  }
+  case SKF_ARC: return to_arc(s, x);
+  case SKF_PLANE: return fabs(v3_dot(v3_sub(x, s->a), s->b));
+  default: return skf_primitive_distance(&s->element.primitive, x);
+  }
+}
+
+/* Grade whose distance is the largest <= d; below the table: -1, beyond: grades. */
+static long bin(const skf_source *s, double d) {
+  double q = d / s->unit;
+  if (!(q >= 1)) return -1;
+  if (q >= 0x1p60) return (long)s->grades;
+  uint64_t bits;
+  memcpy(&bits, &q, sizeof bits);
+  long k = (long)((bits >> 49) - ((uint64_t)1023 << 3)); /* exponent and three bits of the fraction */
+  return k < (long)s->grades ? k : (long)s->grades;
+}
+
+static skf_envelope scaled(double mu, skf_envelope e) {
+  return (skf_envelope){mu * e.value, mu * e.slope, mu * e.bend, mu * e.fourth};
+}
+
+skf_grade skf_source_grade(const skf_source *s, double near, double far) {
+  const skf_element *e = &s->element;
+  skf_shape shape = e->primitive.shape;
+  skf_grade g;
+  if (shape == SKF_PLANE) {
+    g.above = skf_plane_envelope(e->kernel, near);
+    g.below = skf_plane_envelope(e->kernel, far).value;
+  } else if (shape == SKF_POINT) {
+    g.above = skf_kernel_envelope(e->kernel, near);
+    g.below = infimum(s, far);
+  } else {
+    long k = bin(s, near), m = bin(s, far);
+    if (k >= (long)s->grades)
+      g.above = scaled(s->measure, skf_kernel_envelope(e->kernel, near));
+    else
+      g.above = k < 0 ? skf_element_reach(e, near) : s->grade[k].above;
+    g.below = m < 0 ? infimum(s, s->unit) : m < (long)s->grades ? s->grade[m].below : infimum(s, far);
+    if (far > 1e300) g.below = 0;
+  }
+  double spread = shape == SKF_PLANE ? 0 : 2 * s->reach;
+  if (skf_kernel_kinked(e->kernel, near, far + spread)) g.above.fourth = INFINITY;
+  return g;
+}

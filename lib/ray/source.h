@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT */
+/* One element as the ray solver sees it: a quick distance, and what its field can be at that distance. */
+#ifndef SKF_RAY_SOURCE_H
+#define SKF_RAY_SOURCE_H
+
+#include "field/envelope.h"
+#include "skelfield/field.h"
+
+/* Suprema of the primitive's field and its derivatives over all places at a distance >= d from it, and the infimum of
+   the field over all places at a distance <= d. Strength is not in them. */
+typedef struct skf_grade {
+  skf_envelope above;
+  double below;
+} skf_grade;
+
+typedef struct skf_source {
+  skf_element element;
+  double weight;         /* strength */
+  double measure, reach; /* of the primitive; a ball around `middle` holds it */
+  skf_vec3 middle;
+  /* frame of the distance: segment: from, direction, length; arc: e, f, n; plane: through, normal */
+  skf_vec3 a, b, c;
+  double length, cosine;
+  bool whole;
+  /* grades at unit, ... growing by eighths of octaves; none for points and planes */
+  size_t grades;
+  double unit;
+  skf_grade *grade;
+} skf_source;
+
+skf_status skf_source_init(const skf_element *element, skf_source *out);
+void skf_source_free(skf_source *s);
+
+/* Distance from x, to rounding. */
+double skf_source_distance(const skf_source *s, skf_vec3 x);
+
+/* Bounds at distances within [near, far] from the primitive. For planes all of `above` and `below` are signed values of
+   F. `fourth` is infinite where a kink of the kernel may be met. */
+skf_grade skf_source_grade(const skf_source *s, double near, double far);
+
+#endif

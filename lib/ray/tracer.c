@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: MIT */
+/* Tracers: a field made ready for rays, and the queries. */
+#include "core/alloc.h"
+#include "core/vec3.h"
+#include "ray/walk.h"
+#include <float.h>
+
+static bool is_linear(const skf_element *e) { return e->primitive.shape == SKF_PLANE && e->kernel.type == SKF_INVERSE; }
+
+/* The elements whose strength has the given sign, or all negated; planes that are linear along rays are left out. */
+static skf_status subfield(const skf_field *field, int sign, bool negate, skf_field **out) {
+  size_t n = skf_field_size(field), k = 0;
+  skf_element *e = skf_alloc(n, sizeof *e);
+  if (!e) return SKF_ERR_NOMEM;
+  for (size_t i = 0; i < n; i++) {
+    e[k] = *skf_field_element(field, i);
+    if (sign && (is_linear(e + k) || (double)sign * e[k].strength <= 0)) continue;
+    if (negate) e[k].strength = -e[k].strength;
+    k++;
+  }
+  skf_status s = skf_field_new(e, k, out);
+  skf_free(e);
+  return s;
+}
+
+/* Where the surface can be: iso < 0 is the surface of the negated field. */
+static skf_status find_region(skf_tracer *t) {
+  if (t->iso >= 0) {
+    t->reach = skf_field_region(t->field, t->iso, &t->region);
+  } else {
+    skf_field *f;
+    skf_status s = subfield(t->field, 0, true, &f);
+    if (s) return s;
+    t->reach = skf_field_region(f, -t->iso, &t->region);
+    skf_field_free(f);
+  }
+  if (t->reach != SKF_OK) return t->reach == SKF_ERR_EMPTY || t->reach == SKF_ERR_UNBOUNDED ? SKF_OK : t->reach;
+  t->region = box_grow(t->region, 1e-9 * box_diagonal(t->region));
+  return SKF_OK;
+}
+
+static skf_status add_sources(skf_tracer *t, bool linear, bool *mixed) {
+  for (size_t i = 0; i < skf_field_size(t->field); i++) {
+    const skf_element *e = skf_field_element(t->field, i);
+    if (e->strength == 0 || is_linear(e) != linear) continue;
+    skf_pair_info pair = skf_pair_get(e->kernel.type, e->primitive.shape);
+    if (!pair.closed) t->noise = fmax(t->noise, pair.error); /* adaptive quadrature is not smooth */
+    *mixed = *mixed || linear || e->strength * skf_field_element(t->field, 0)->strength < 0;
+    skf_status s = skf_source_init(e, t->sources + t->n);
+    if (s) return s;
+    t->n++;
+  }
+  if (linear) t->linear = t->n;
+  return SKF_OK;
+}
+
+static skf_status fill(skf_tracer *t) {
+  bool mixed = false;
+  skf_status s;
+  t->sources = skf_alloc(skf_field_size(t->field), sizeof *t->sources);
+  if (!t->sources) return SKF_ERR_NOMEM;
+  if ((s = add_sources(t, true, &mixed)) || (s = add_sources(t, false, &mixed))) return s;
+  if (mixed && ((s = subfield(t->field, 1, false, &t->plus)) || (s = subfield(t->field, -1, false, &t->minus))))
+    return s;
+  return find_region(t);
+}
+
+skf_status skf_tracer_new(const skf_field *field, double iso, skf_tracer **out) {
+  *out = NULL;
+  if (!isfinite(iso)) return SKF_ERR_ARG;
+  skf_tracer *t = skf_alloc(1, sizeof *t);
+  if (!t) return SKF_ERR_NOMEM;
+  t->field = field, t->iso = iso, t->noise = 2 * DBL_EPSILON;
+  skf_status s = fill(t);
+  if (s) return skf_tracer_free(t), s;
+  return *out = t, SKF_OK;
+}
+
+void skf_tracer_free(skf_tracer *t) {
+  if (!t) return;
+  for (size_t i = 0; i < t->n; i++) skf_source_free(t->sources + i);
+  skf_free(t->sources);
+  skf_field_free(t->plus);
+  skf_field_free(t->minus);
+  skf_free(t);
+}
+
+/* The part of the ray inside the region. */
+static bool clip(const skf_tracer *t, const skf_walk *w, double *from, double *to) {
+  if (t->reach == SKF_ERR_EMPTY) return false;
+  for (int i = 0; i < 3 && t->reach == SKF_OK; i++) {
+    double o = v3_get(w->origin, i), d = v3_get(w->direction, i);
+    double lo = v3_get(t->region.lo, i) - o, hi = v3_get(t->region.hi, i) - o;
+    if (d == 0) {
+      if (lo > 0 || hi < 0) return false;
+      continue;
+    }
+    double slack = 4 * DBL_EPSILON * fabs(o);
+    double enter = fmin((lo - slack) / d, (hi + slack) / d), leave = fmax((lo - slack) / d, (hi + slack) / d);
+    *from = fmax(*from, enter), *to = fmin(*to, leave);
+  }
+  return *from <= *to;
+}
+
+/* The next place where the ray meets a linear plane; sets the sides up to there. */
+static double next_break(const skf_walk *w, double from, double to, double *side) {
+  for (size_t i = 0; i < w->tracer->linear; i++) {
+    const skf_source *s = w->tracer->sources + i;
+    double z = v3_dot(v3_sub(w->origin, s->a), s->b), dz = v3_dot(w->direction, s->b), t = -z / dz;
+    side[i] = dz == 0 ? (z < 0 ? -1 : 1) : (from < t) == (dz > 0) ? -1 : 1;
+    if (dz != 0 && t > from) to = fmin(to, t);
+  }
+  return to;
+}
+
+/* A length to begin with, where the ray goes on for ever. */
+static double first_stride(const skf_walk *w, double from) {
+  skf_vec3 p = v3_mad(w->origin, from, w->direction);
+  double stride = 0;
+  for (size_t i = 0; i < w->tracer->n; i++) {
+    const skf_source *s = w->tracer->sources + i;
+    bool plane = s->element.primitive.shape == SKF_PLANE;
+    stride = fmax(stride, plane ? skf_source_distance(s, p) : v3_dist(p, s->middle) + s->reach);
+    stride = fmax(stride, skf_kernel_width(s->element.kernel));
+  }
+  return stride > 0 ? stride : 1;
+}
+
+static void follow(skf_walk *w, double from, double to, double *side, skf_crossing_fn *found, void *user) {
+  skf_knot a = {.t = from};
+  double stride = isinf(to) ? first_stride(w, from) : 0;
+  w->side = side;
+  while (a.t < to) {
+    double end = next_break(w, a.t, to, side);
+    if (isinf(end)) {
+      if (skf_walk_tail_clear(w, a.t)) return;
+      end = a.t + stride;
+      stride *= 2;
+      if (stride > 1e150) {
+        w->report.grazing++; /* undecided at infinity */
+        return;
+      }
+    }
+    if (w->tracer->linear) a.known = false; /* its slope belongs to the last piece */
+    if (!skf_walk_piece(w, &a, end, found, user)) return;
+  }
+}
+
+static skf_status query(const skf_tracer *t, const skf_ray *ray, skf_crossing_fn *found, void *user,
+                        skf_ray_report *report) {
+  enum { FEW = 32 };
+  double few[FEW], *side = few, from = ray->t_min, to = ray->t_max;
+  skf_walk w = {.tracer = t, .origin = ray->origin, .direction = v3_unit(ray->direction)};
+  bool valid = v3_finite(w.origin) && v3_finite(ray->direction) && v3_norm2(w.direction) > 0;
+  if (!valid || !isfinite(from) || isnan(to)) return SKF_ERR_ARG;
+  if (from <= to && clip(t, &w, &from, &to)) {
+    if (t->linear > FEW && !(side = skf_alloc(t->linear, sizeof *side))) return SKF_ERR_NOMEM;
+    follow(&w, from, to, side, found, user);
+    if (side != few) skf_free(side);
+  }
+  if (report) {
+    report->cells += w.report.cells, report->subdivisions += w.report.subdivisions;
+    report->evaluations += w.report.evaluations, report->grazing += w.report.grazing;
+  }
+  return SKF_OK;
+}
+
+static skf_hit hit_at(skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
+  skf_knot k = skf_walk_polish(w, a, b, guess);
+  return (skf_hit){k.t, k.at, v3_unit(v3_scale(-1, k.gradient)), b->f > a->f};
+}
+
+typedef struct collector {
+  size_t capacity, count;
+  skf_hit *hits;
+} collector;
+
+static bool collect(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
+  collector *c = user;
+  if (c->count < c->capacity) c->hits[c->count] = hit_at(w, a, b, guess);
+  c->count++;
+  return true;
+}
+
+skf_status skf_tracer_all(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_hit *hits, size_t *count,
+                          skf_ray_report *report) {
+  collector c = {capacity, 0, hits};
+  skf_status s = query(tracer, ray, collect, &c, report);
+  *count = c.count;
+  return s;
+}
+
+static bool take_first(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
+  collector *c = user;
+  c->hits[c->count++] = hit_at(w, a, b, guess);
+  return false;
+}
+
+skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray, skf_hit *hit, bool *found,
+                            skf_ray_report *report) {
+  collector c = {1, 0, hit};
+  skf_status s = query(tracer, ray, take_first, &c, report);
+  *found = c.count > 0;
+  return s;
+}
+
+static bool stop(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
+  (void)w, (void)a, (void)b, (void)guess;
+  *(bool *)user = true;
+  return false;
+}
+
+skf_status skf_tracer_occluded(const skf_tracer *tracer, const skf_ray *ray, bool *occluded, skf_ray_report *report) {
+  *occluded = false;
+  return query(tracer, ray, stop, occluded, report);
+}
