@@ -77,7 +77,7 @@ typedef struct cli_json {
 } cli_json;
 void json_open(cli_json *j, const char *key, char bracket); /* '{' or '['; key NULL inside arrays */
 void json_close(cli_json *j, char bracket);
-void json_string(cli_json *j, const char *key, const char *value);
+void json_string(cli_json *j, const char *key, const char *value); /* NULL becomes null */
 void json_number(cli_json *j, const char *key, double value);
 void json_integer(cli_json *j, const char *key, long value);
 void json_bool(cli_json *j, const char *key, bool value);

@@ -51,7 +51,10 @@ void json_close(cli_json *j, char bracket) {
 
 void json_string(cli_json *j, const char *key, const char *value) {
   put_key(j, key);
-  put_string(j->file, value);
+  if (value)
+    put_string(j->file, value);
+  else
+    fputs("null", j->file);
 }
 
 void json_number(cli_json *j, const char *key, double value) {

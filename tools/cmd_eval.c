@@ -3,7 +3,7 @@
 #include "cli.h"
 #include <stdlib.h>
 
-enum { COLUMNS = 10, BATCH = 16384 }; /* F, gradient, Hessian; points between two looks at the progress */
+enum { COLUMNS = 10 }; /* F, gradient, Hessian */
 
 /* Fields at points in structure-of-arrays form: x, y, z, then the sum over the bodies, then one body's share. */
 typedef struct table {
@@ -37,11 +37,19 @@ static skf_status eval_batch(table *t, const skf_field *field, size_t from, size
   return SKF_OK;
 }
 
+/* Points between two looks at the progress: some tenths of a second with the slowest pairs. */
+static size_t batch_size(const skf_scene *scene) {
+  size_t elements = 0;
+  for (size_t b = 0; b < scene->body_count; b++) elements += scene->bodies[b].element_count;
+  size_t n = 65536 / (elements + 1);
+  return n < 64 ? 64 : n > 16384 ? 16384 : n;
+}
+
 static int evaluate(table *t, const skf_scene *scene, int only) {
   skf_progress progress = cli_progress("eval");
-  size_t bodies = only < 0 ? scene->body_count : 1, first = only < 0 ? 0 : (size_t)only;
-  for (size_t from = 0; from < t->n; from += BATCH) {
-    size_t n = t->n - from < BATCH ? t->n - from : BATCH;
+  size_t batch = batch_size(scene), bodies = only < 0 ? scene->body_count : 1, first = only < 0 ? 0 : (size_t)only;
+  for (size_t from = 0; from < t->n; from += batch) {
+    size_t n = t->n - from < batch ? t->n - from : batch;
     for (size_t b = first; b < first + bodies; b++) {
       skf_status s = eval_batch(t, scene->bodies[b].field, from, n);
       if (s) return cli_fail_status(s, scene->bodies[b].name);

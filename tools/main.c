@@ -17,6 +17,7 @@ const cli_command *const cli_commands[] = {
     /* pictures */
     /* surfaces */
     /* scenes */
+    &cmd_info,
     NULL,
 };
 

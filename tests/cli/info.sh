@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: MIT
+# skelfield info: words and JSON.
+. "$(dirname "$0")/harness.sh"
+
+write scene.yaml <<'END'
+skelfield: 1
+gravity: {G: 2}
+bodies:
+  - name: "quoted \\ body"
+    iso: 0.25
+    kernel: {type: inverse}
+    mass: 12
+    spin: {axis: [0, 0, 1], rate: 0.5}
+    skeleton:
+      - segment: {from: [-1, 0, 0], to: [2, 0, 0], strength: 2}
+      - point: {at: [0, 0, 0], kernel: {type: quartic, R: 3}}
+  - name: floor
+    iso: 1
+    kernel: {type: cauchy, s: 1}
+    mass: 1
+    skeleton:
+      - plane: {through: [0, 0, 0], normal: [0, 0, 1]}
+particles:
+  - {name: p, position: [1, 2, 3], velocity: [4, 5, 6]}
+simulation: {t_end: 10, output_every: 1, contact: bounce, restitution: 0.5}
+END
+run info scene.yaml
+expect_status "info works" 0
+expect_out "bodies" '^body floor \(line 12\)$'
+expect_out "primitives and measures" '1 point, 1 segment \(length 3\)'
+expect_out "the sum of w mu" '^  measure +7 '
+expect_out "mass, density, G M" '12 \(given\), density 1\.7142857.*G M = 24$'
+expect_out "the surface is bounded" 'surface +F = 0.25: bounded, inside '
+expect_out "or not" 'surface +F = 1: unbounded'
+expect_out "the kernels" 'quartic, h\(r\) = .*R = 3'
+expect_out "and how they are evaluated" 'on segment: closed form, relative error'
+expect_out "spin" 'rate 0.5 about \[0, 0, 1\]'
+expect_out "particles" '^particle p at \[1, 2, 3\] with velocity \[4, 5, 6\]'
+expect_out "simulation" 'to t = 10, output every 1, .*contact bounce \(restitution 0.5'
+expect_err "a mass on a plane is warned about" "scene.yaml:12: warning: body 'floor'"
+
+run info scene.yaml --json
+expect_status "JSON" 0
+python=$(command -v python3) && "$python" -c pass 2>/dev/null || python=
+if [ -n "$python" ]; then
+  expect "it is JSON and says the same" "$python" - "$kept/out" <<'END'
+import json, sys
+s = json.load(open(sys.argv[1]))
+a, b = s["bodies"]
+assert s["G"] == 2 and a["name"] == "quoted \\ body" and a["GM"] == 24 and a["primitives"]["segment"]["measure"] == 3
+assert a["surface_bounds"]["lo"][0] < -1 and a["surface_bounds"]["hi"][0] > 2
+assert b["primitives"]["plane"]["measure"] is None and b["density"] == 0 and b["surface"] == "unbounded"
+assert {(e["kernel"], e["primitive"]) for e in a["evaluation"]} == {("inverse", "segment"), ("quartic", "point")}
+assert s["particles"][0]["velocity"] == [4, 5, 6] and s["simulation"]["contact"] == "bounce"
+END
+fi
+expect_out "numbers carry 17 digits" '"density": 1.7142857142857142'
+run info scene.yaml --json -o info.json
+expect_file "JSON in a file" info.json
+run help scene
+expect_out "the help knows the primitives" '^  arc: '
+expect_out "and the kernels" 'inverse-squared +1 / r\^2'
+for name in "$data"/*.yaml; do
+  run info "$name" --json
+  expect_status "info ${name##*/}" 0
+  expect_no_err "${name##*/} without a warning"
+done
+tap_done

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What `skelfield info` tells about a body, before it is words or JSON. */
+#ifndef SKF_TOOLS_INFO_H
+#define SKF_TOOLS_INFO_H
+
+#include "cli.h"
+
+typedef struct info_kernel {
+  size_t count;
+  double least, most; /* of its parameter */
+} info_kernel;
+
+typedef struct info_body {
+  const skf_body *body;
+  size_t count[SKF_SHAPE_COUNT];
+  double measure[SKF_SHAPE_COUNT]; /* sum of mu */
+  double total;                    /* sum of w mu */
+  double mass, gm;                 /* rho times total, or as given; infinite with a plane that attracts */
+  skf_box skeleton;
+  skf_status surface; /* SKF_OK: region holds; SKF_ERR_UNBOUNDED, SKF_ERR_EMPTY or another failure */
+  skf_box region;
+  info_kernel kernels[SKF_KERNEL_COUNT];
+  bool pairs[SKF_KERNEL_COUNT][SKF_SHAPE_COUNT];
+} info_body;
+
+void info_gather(const skf_scene *scene, const skf_body *body, info_body *out);
+/* "bounded", "unbounded", "none", or a failure's text. */
+const char *info_surface(const info_body *b);
+const char *info_contact(skf_contact_mode mode);
+
+void info_text(FILE *f, const skf_scene *scene, const char *path);
+void info_json(FILE *f, const skf_scene *scene, const char *path);
+
+#endif

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "info.h"
+
+enum { LABEL = 14 };
+
+static void put_box(FILE *f, skf_box b) {
+  fprintf(f, "[%.6g, %.6g, %.6g] .. [%.6g, %.6g, %.6g]", b.lo.x, b.lo.y, b.lo.z, b.hi.x, b.hi.y, b.hi.z);
+}
+
+static void put_vector(FILE *f, const char *label, skf_vec3 v) {
+  fprintf(f, "%s[%.6g, %.6g, %.6g]", label, v.x, v.y, v.z);
+}
+
+static void put_primitives(FILE *f, const info_body *b) {
+  static const char *const what[] = {[SKF_POINT] = NULL,
+                                     [SKF_SEGMENT] = "length",
+                                     [SKF_ARC] = "length",
+                                     [SKF_TRIANGLE] = "area",
+                                     [SKF_PLANE] = "area"};
+  const char *comma = "";
+  fprintf(f, "  %-*s", LABEL, "skeleton");
+  for (int i = 0; i < SKF_SHAPE_COUNT; i++) {
+    if (!b->count[i]) continue;
+    fprintf(f, "%s%zu %s%s", comma, b->count[i], skf_shape_get((skf_shape)i)->name, b->count[i] > 1 ? "s" : "");
+    if (what[i]) fprintf(f, " (%s %.10g)", what[i], b->measure[i]);
+    comma = ", ";
+  }
+  fprintf(f, "\n  %-*s", LABEL, "");
+  put_box(f, b->skeleton);
+  fprintf(f, "\n  %-*s%.10g (sum of strength times measure)\n", LABEL, "measure", b->total);
+}
+
+static void put_kernels(FILE *f, const info_body *b) {
+  for (int k = 0; k < SKF_KERNEL_COUNT; k++) {
+    const skf_kernel_info *info = skf_kernel_get((skf_kernel_type)k);
+    const info_kernel *used = b->kernels + k;
+    if (!used->count) continue;
+    fprintf(f, "  %-*s%s, h(r) = %s", LABEL, "kernel", info->name, info->formula);
+    if (info->param) fprintf(f, ", %s = %.6g", info->param, used->least);
+    if (info->param && used->most > used->least) fprintf(f, " .. %.6g", used->most);
+    fputc('\n', f);
+    for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
+      if (!b->pairs[k][s]) continue;
+      skf_pair_info pair = skf_pair_get((skf_kernel_type)k, (skf_shape)s);
+      fprintf(f, "  %-*s  on %s: %s, relative error %.0e", LABEL, "", skf_shape_get((skf_shape)s)->name,
+              pair.closed ? "closed form" : "adaptive quadrature", pair.error);
+      if (pair.singular) fprintf(f, "; %s", pair.singular);
+      fputc('\n', f);
+    }
+  }
+}
+
+static void put_body(FILE *f, const skf_scene *scene, const skf_body *body) {
+  info_body b;
+  info_gather(scene, body, &b);
+  fprintf(f, "body %s (line %ld)\n", body->name, body->line);
+  put_primitives(f, &b);
+  put_kernels(f, &b);
+  fprintf(f, "  %-*s%.10g%s, density %.10g, G M = %.10g\n", LABEL, "mass", b.mass, body->has_mass ? " (given)" : "",
+          body->rho, b.gm);
+  fprintf(f, "  %-*sF = %.10g: %s", LABEL, "surface", body->iso, info_surface(&b));
+  if (b.surface == SKF_OK) {
+    fputs(", inside ", f);
+    put_box(f, b.region);
+  }
+  fputc('\n', f);
+  if (body->spin.rate != 0) {
+    fprintf(f, "  %-*srate %.10g", LABEL, "spin", body->spin.rate);
+    put_vector(f, " about ", body->spin.axis);
+    put_vector(f, " through ", body->spin.about);
+    fputc('\n', f);
+  }
+  if (body->ellipsoid.given)
+    fprintf(f, "  %-*sequatorial %.10g, polar %.10g\n", LABEL, "ellipsoid", body->ellipsoid.equatorial,
+            body->ellipsoid.polar);
+}
+
+static void put_particle(FILE *f, const skf_scene *scene, const skf_particle *p) {
+  fprintf(f, "particle %s", p->name);
+  if (p->launch.given) {
+    const double degree = 57.295779513082323;
+    fprintf(f,
+            " from body %s at latitude %.6g, longitude %.6g, height %.6g; azimuth %.6g, elevation %.6g, speed %.6g\n",
+            scene->bodies[p->launch.body].name, p->launch.latitude * degree, p->launch.longitude * degree,
+            p->launch.height, p->launch.azimuth * degree, p->launch.elevation * degree, p->launch.speed);
+    return;
+  }
+  put_vector(f, " at ", p->position);
+  put_vector(f, " with velocity ", p->velocity);
+  fputc('\n', f);
+}
+
+void info_text(FILE *f, const skf_scene *scene, const char *path) {
+  fprintf(f, "scene %s: %zu %s, %zu %s, G = %.10g\n", path, scene->body_count,
+          scene->body_count == 1 ? "body" : "bodies", scene->particle_count,
+          scene->particle_count == 1 ? "particle" : "particles", scene->G);
+  for (size_t i = 0; i < scene->body_count; i++) put_body(f, scene, scene->bodies + i);
+  for (size_t i = 0; i < scene->particle_count; i++) put_particle(f, scene, scene->particles + i);
+  const skf_simulation *s = &scene->simulation;
+  if (!s->given) return;
+  fprintf(f, "simulation to t = %.10g, output every %.10g, tolerance %.3g, contact %s", s->t_end, s->output_every,
+          s->tolerance, info_contact(s->contact));
+  if (s->contact == SKF_CONTACT_BOUNCE) fprintf(f, " (restitution %.6g, friction %.6g)", s->restitution, s->friction);
+  fprintf(f, "%s%s\n", s->integrator[0] ? ", integrator " : "", s->integrator);
+}
