@@ -16,6 +16,7 @@ const cli_command *const cli_commands[] = {
     /* motion */
     /* pictures */
     /* surfaces */
+    &cmd_mesh,
     /* scenes */
     &cmd_info,
     NULL,
