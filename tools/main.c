@@ -15,6 +15,7 @@ const cli_command *const cli_commands[] = {
     /* rays */
     /* motion */
     /* pictures */
+    &cmd_map,
     /* surfaces */
     &cmd_mesh,
     /* scenes */
