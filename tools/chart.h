@@ -22,7 +22,8 @@ double scale_share(const color_scale *s, double value);
 /* Lightness in [0, 1] of the colour of a value. */
 double scale_lightness(const color_scale *s, double value);
 
-enum { CHART_CELLS = 128 };
+/* A cell of the box holds nothing, something that labels must not cover, or the iso-line with this number. */
+enum { CHART_CELLS = 160, CHART_FREE = 0, CHART_BUSY = 255 };
 
 typedef struct chart {
   const skf_plot *plot;
@@ -31,7 +32,7 @@ typedef struct chart {
   double em;                                    /* size of the tick labels [pixels] */
   double left, top, right, bottom;              /* box of the axes [pixels]; whole numbers */
   double x0, x1, y0, y1;                        /* what the box shows */
-  unsigned char busy[CHART_CELLS][CHART_CELLS]; /* parts of the box that no label of an iso-line may cover */
+  unsigned char busy[CHART_CELLS][CHART_CELLS]; /* what parts of the box hold */
 } chart;
 
 extern const double chart_ink[4];
@@ -47,14 +48,17 @@ void chart_axes(chart *c, const char *x_name, const char *y_name, const char *ti
 /* The colour bar at the right of the box, with marks at the levels. */
 void chart_bar(chart *c, const color_scale *s, const char *name, const double *levels, int level_count);
 
-/* Lines in grid units; the grid's corner values lie half a cell inside the box. `text`, if given, labels them. */
+/* Lines in grid units; the grid's corner values lie half a cell inside the box. `text`, if given, labels them where
+   there is nothing but the lines kept as `number`. */
 void chart_contours(chart *c, const contours *lines, int nx, int ny, double width, const double rgba[4],
-                    const char *text);
-/* Keeps labels off a line in grid units, off a line in scene units. */
-void chart_keep_contours(chart *c, const contours *lines, int nx, int ny);
+                    const char *text, int number);
+/* Notes where lines are, so that labels keep off: iso-lines by their number, or CHART_BUSY; a line in scene units. */
+void chart_keep_contours(chart *c, const contours *lines, int nx, int ny, int number);
 void chart_keep_curve(chart *c, const double (*xy)[2], size_t n);
 /* A line with a halo, in scene units. */
 void chart_curve(chart *c, const double (*xy)[2], size_t n, const double rgba[4], const double halo[4], double width);
+/* Whether labels and arrows must keep off a place in scene units. */
+bool chart_busy(const chart *c, double x, double y);
 /* An arrow of `length` pixels about (x, y) in scene units, towards (dx, dy). */
 void chart_arrow(chart *c, double x, double y, double dx, double dy, double length, const double rgba[4]);
 /* A round mark (corners > 4), square, or cross (corners = 0) at a place in scene units. */

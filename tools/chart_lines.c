@@ -10,20 +10,29 @@ static const double quarter = 1.5707963267948966;
 static void clip_to_box(chart *c) { c->plot->clip(c->canvas, c->left, c->top, c->right, c->bottom); }
 
 /* The cell of the busy map at a place in pixels; places outside go to the nearest cell. */
-static unsigned char *cell_at(chart *c, double x, double y) {
+static unsigned char *cell_at(const chart *c, double x, double y) {
   double i = (x - c->left) / (c->right - c->left) * CHART_CELLS, k = (y - c->top) / (c->bottom - c->top) * CHART_CELLS;
-  return &c->busy[(int)fmin(fmax(k, 0), CHART_CELLS - 1)][(int)fmin(fmax(i, 0), CHART_CELLS - 1)];
+  return (unsigned char *)&c->busy[(int)fmin(fmax(k, 0), CHART_CELLS - 1)][(int)fmin(fmax(i, 0), CHART_CELLS - 1)];
 }
 
-static void keep(chart *c, double x, double y) {
-  if (x >= c->left && x <= c->right && y >= c->top && y <= c->bottom) *cell_at(c, x, y) = 1;
+static void keep(chart *c, double x, double y, int what) {
+  if (x < c->left || x > c->right || y < c->top || y > c->bottom) return;
+  unsigned char *cell = cell_at(c, x, y);
+  *cell = (unsigned char)(*cell == CHART_FREE || *cell == what ? what : CHART_BUSY);
+}
+
+bool chart_busy(const chart *c, double x, double y) {
+  double p[2];
+  chart_at(c, x, y, p);
+  return *cell_at(c, p[0], p[1]) == CHART_BUSY;
 }
 
 /* A straight piece, at steps finer than a cell. */
-static void keep_piece(chart *c, const double a[2], const double b[2]) {
+static void keep_piece(chart *c, const double a[2], const double b[2], int what) {
   double step = (c->right - c->left + c->bottom - c->top) / (4 * CHART_CELLS);
   double pieces = fmin(ceil(hypot(b[0] - a[0], b[1] - a[1]) / step) + 1, 4096); /* longer ones reach far outside */
-  for (double k = 0; k <= pieces; k++) keep(c, a[0] + (b[0] - a[0]) * k / pieces, a[1] + (b[1] - a[1]) * k / pieces);
+  for (double k = 0; k <= pieces; k++)
+    keep(c, a[0] + (b[0] - a[0]) * k / pieces, a[1] + (b[1] - a[1]) * k / pieces, what);
 }
 
 /* The line in pixels, its first point repeated at the end when closed, with the length up to each point. */
@@ -61,7 +70,7 @@ static void path_at(const path *p, double s, double xy[2]) {
 }
 
 /* How far the path strays from its chord over [s, s + w]; infinite where a label must not be. */
-static double bend(const chart *c, const path *p, double s, double w) {
+static double bend(const chart *c, const path *p, double s, double w, int number) {
   double a[2], b[2], worst = 0, em = c->em;
   path_at(p, s, a);
   path_at(p, s + w, b);
@@ -77,19 +86,20 @@ static double bend(const chart *c, const path *p, double s, double w) {
   for (int i = -1; i <= 9; i++)
     for (int side = -1; side <= 1; side++) {
       double off = 0.45 * em * side / chord, t = i / 8.0;
-      if (*cell_at((chart *)c, a[0] + t * dx - off * dy, a[1] + t * dy + off * dx)) return INFINITY;
+      int there = *cell_at(c, a[0] + t * dx - off * dy, a[1] + t * dy + off * dx);
+      if (there != CHART_FREE && there != number) return INFINITY;
     }
   return worst;
 }
 
 /* The straightest place for a label of width w; negative when there is none. */
-static double label_place(const chart *c, const path *p, double w) {
+static double label_place(const chart *c, const path *p, double w, int number) {
   double total = p->length[p->n - 1], best = 0.22 * c->em, place = -1;
   if (total < 3 * w) return -1;
   int tries = (int)(total / (0.5 * c->em));
   if (tries > 400) tries = 400;
   for (int i = 0; i <= tries; i++) {
-    double s = (total - w) * i / tries, b = bend(c, p, s, w);
+    double s = (total - w) * i / tries, b = bend(c, p, s, w, number);
     if (b < best * 0.98) best = b, place = s;
   }
   return place;
@@ -103,7 +113,7 @@ static void label(chart *c, const path *p, double s, double w, const char *text,
   if (angle > quarter || angle <= -quarter) angle += angle > 0 ? -2 * quarter : 2 * quarter;
   skf_text_place at = {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, 0.5, 0.5, angle, 0.72 * c->em};
   c->plot->text(c->canvas, at, text, opaque);
-  for (int i = -2; i <= 10; i++) keep(c, a[0] + (b[0] - a[0]) * i / 8, a[1] + (b[1] - a[1]) * i / 8);
+  for (int i = -2; i <= 10; i++) keep(c, a[0] + (b[0] - a[0]) * i / 8, a[1] + (b[1] - a[1]) * i / 8, CHART_BUSY);
 }
 
 /* The part of the path from s0 to s1. */
@@ -120,13 +130,13 @@ static void stroke_part(chart *c, const path *p, double s0, double s1, double wi
 }
 
 void chart_contours(chart *c, const contours *lines, int nx, int ny, double width, const double rgba[4],
-                    const char *text) {
+                    const char *text, int number) {
   clip_to_box(c);
   double w = text ? c->plot->extent(c->canvas, text).width * 0.72 * c->em + 0.6 * c->em : 0;
   for (size_t i = 0; i < lines->count; i++) {
     path p;
     if (lines->lines[i].n < 2 || !path_make(c, lines->lines + i, nx, ny, &p)) continue;
-    double s = text ? label_place(c, &p, w) : -1, end = p.length[p.n - 1];
+    double s = text ? label_place(c, &p, w, number) : -1, end = p.length[p.n - 1];
     if (s < 0) {
       c->plot->stroke(c->canvas, (const double(*)[2])p.xy, p.n, false, width, rgba);
     } else {
@@ -138,11 +148,11 @@ void chart_contours(chart *c, const contours *lines, int nx, int ny, double widt
   }
 }
 
-void chart_keep_contours(chart *c, const contours *lines, int nx, int ny) {
+void chart_keep_contours(chart *c, const contours *lines, int nx, int ny, int number) {
   for (size_t i = 0; i < lines->count; i++) {
     path p;
     if (!path_make(c, lines->lines + i, nx, ny, &p)) return;
-    for (size_t k = 1; k < p.n; k++) keep_piece(c, p.xy[k - 1], p.xy[k]);
+    for (size_t k = 1; k < p.n; k++) keep_piece(c, p.xy[k - 1], p.xy[k], number);
     free(p.xy), free(p.length);
   }
 }
@@ -152,7 +162,7 @@ void chart_keep_curve(chart *c, const double (*xy)[2], size_t n) {
     double a[2], b[2];
     chart_at(c, xy[k - 1][0], xy[k - 1][1], a);
     chart_at(c, xy[k][0], xy[k][1], b);
-    keep_piece(c, a, b);
+    keep_piece(c, a, b, CHART_BUSY);
   }
 }
 
@@ -216,7 +226,7 @@ static int crowd(chart *c, double x0, double y0, double x1, double y1) {
     for (int i = 0; i < CHART_CELLS; i++) {
       double x = c->left + (i + 0.5) / CHART_CELLS * (c->right - c->left);
       double y = c->top + (k + 0.5) / CHART_CELLS * (c->bottom - c->top);
-      in += c->busy[k][i] && x > x0 && x < x1 && y > y0 && y < y1;
+      in += c->busy[k][i] == CHART_BUSY && x > x0 && x < x1 && y > y0 && y < y1;
     }
   return in;
 }
@@ -233,7 +243,7 @@ void chart_legend_place(chart *c, legend *l) {
     if (in < least) least = in, l->left = x, l->top = y;
   }
   for (double y = l->top; l->count && y <= l->top + l->height; y += 2)
-    for (double x = l->left; x <= l->left + w; x += 2) keep(c, x, y);
+    for (double x = l->left; x <= l->left + w; x += 2) keep(c, x, y, CHART_BUSY);
 }
 
 void chart_legend_draw(chart *c, const legend *l) {

@@ -78,7 +78,7 @@ static void automatic_extent(map_job *j) {
   double x[2] = {1, -1}, y[2] = {1, -1};
   map_frame(j->scene, j->plane, x, y);
   if (!(x[0] <= x[1])) x[0] = y[0] = -1, x[1] = y[1] = 1;
-  double margin = 0.45 * fmax(x[1] - x[0], y[1] - y[0]);
+  double margin = 0.4 * fmax(x[1] - x[0], y[1] - y[0]);
   x[0] -= margin, x[1] += margin, y[0] -= margin, y[1] += margin;
   for (size_t i = 0; i < j->run.particle_count; i++)
     for (size_t k = 0; k < j->run.particles[i].count; k++) {

@@ -35,26 +35,33 @@ static int paint(map_job *j) {
   return CLI_DONE;
 }
 
-static int draw_levels(map_job *j, ticks *levels) {
+/* Finds all iso-lines first, so that each label keeps off the others' lines. */
+static void levels_on(map_job *j, const ticks *levels, const double *shown, contours *lines) {
   const map_grid *g = &j->grid;
-  *levels = (ticks){0};
-  if (cli_given(j->c, "no-contours") || j->levels == 0) return CLI_DONE;
-  size_t n = (size_t)g->nx * g->ny;
-  double *shown = malloc(n * sizeof *shown);
-  if (!shown) return cli_fail(CLI_FAILED, "out of memory");
-  for (size_t k = 0; k < n; k++) shown[k] = j->log ? fabs(g->value[k]) : g->value[k];
-  *levels = j->log ? ticks_log(j->scale.lo, j->scale.hi, j->levels) : ticks_linear(j->scale.lo, j->scale.hi, j->levels);
+  for (int i = 0; i < levels->count; i++)
+    if (contour_find(shown, g->nx, g->ny, levels->at[i], lines + i))
+      chart_keep_contours(&j->chart, lines + i, g->nx, g->ny, i + 1);
   for (int i = 0; i < levels->count; i++) {
-    contours lines;
     char text[TICK_TEXT];
-    double shade = scale_lightness(&j->scale, levels->at[i]) < 0.55;
+    double shade = scale_lightness(&j->scale, levels->at[i]) < 0.55; /* white on dark */
     const double rgba[4] = {shade, shade, shade, shade > 0 ? 0.75 : 0.6};
     tick_label(levels, levels->at[i], text);
-    if (!contour_find(shown, g->nx, g->ny, levels->at[i], &lines)) break;
-    chart_contours(&j->chart, &lines, g->nx, g->ny, j->chart.em / 18, rgba, text);
-    contour_free(&lines);
+    chart_contours(&j->chart, lines + i, g->nx, g->ny, j->chart.em / 18, rgba, text, i + 1);
+    contour_free(lines + i);
   }
-  free(shown);
+}
+
+static int draw_levels(map_job *j, ticks *levels) {
+  *levels = (ticks){0};
+  if (cli_given(j->c, "no-contours") || j->levels == 0) return CLI_DONE;
+  size_t n = (size_t)j->grid.nx * j->grid.ny;
+  double *shown = malloc(n * sizeof *shown);
+  contours *lines = calloc(TICKS_MAX, sizeof *lines);
+  if (!shown || !lines) return free(shown), free(lines), cli_fail(CLI_FAILED, "out of memory");
+  for (size_t k = 0; k < n; k++) shown[k] = j->log ? fabs(j->grid.value[k]) : j->grid.value[k];
+  *levels = j->log ? ticks_log(j->scale.lo, j->scale.hi, j->levels) : ticks_linear(j->scale.lo, j->scale.hi, j->levels);
+  levels_on(j, levels, shown, lines);
+  free(shown), free(lines);
   return CLI_DONE;
 }
 
@@ -69,8 +76,8 @@ static void draw_arrows(map_job *j) {
       double i = (a + 0.5) * g->nx / across - 0.5, k = (b + 0.5) * g->ny / up - 0.5;
       size_t at = (size_t)lround(k) * g->nx + (size_t)lround(i);
       skf_vec3 p = map_point(g, i, k);
-      chart_arrow(h, v3_get(p, g->plane.u), v3_get(p, g->plane.v), g->slope[0][at], g->slope[1][at], 0.6 * apart,
-                  pale);
+      double x = v3_get(p, g->plane.u), y = v3_get(p, g->plane.v);
+      if (!chart_busy(h, x, y)) chart_arrow(h, x, y, g->slope[0][at], g->slope[1][at], 0.6 * apart, pale);
     }
 }
 
@@ -86,7 +93,7 @@ static double (*flat_path(const map_job *j, size_t i, size_t *n))[2] {
 /* What labels must not cover. */
 static void keep_free(map_job *j) {
   for (size_t i = 0; i < j->scene->body_count; i++)
-    chart_keep_contours(&j->chart, j->outlines + i, j->grid.nx, j->grid.ny);
+    chart_keep_contours(&j->chart, j->outlines + i, j->grid.nx, j->grid.ny, CHART_BUSY);
   for (size_t i = 0; i < j->run.particle_count; i++) {
     size_t n;
     double(*xy)[2] = flat_path(j, i, &n);
@@ -97,8 +104,8 @@ static void keep_free(map_job *j) {
 
 static void draw_outlines(map_job *j) {
   for (size_t i = 0; i < j->scene->body_count; i++) {
-    chart_contours(&j->chart, j->outlines + i, j->grid.nx, j->grid.ny, j->chart.em / 4.4, dark, NULL);
-    chart_contours(&j->chart, j->outlines + i, j->grid.nx, j->grid.ny, j->chart.em / 11, white, NULL);
+    chart_contours(&j->chart, j->outlines + i, j->grid.nx, j->grid.ny, j->chart.em / 4.4, dark, NULL, 0);
+    chart_contours(&j->chart, j->outlines + i, j->grid.nx, j->grid.ny, j->chart.em / 11, white, NULL, 0);
   }
 }
 
