@@ -13,6 +13,7 @@ const cli_command *const cli_commands[] = {
     /* fields */
     &cmd_eval,
     /* rays */
+    &cmd_trace,
     /* motion */
     /* pictures */
     &cmd_map,
