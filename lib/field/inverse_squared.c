@@ -143,4 +143,9 @@ const skf_kernel_ops skf_kernel_inverse_squared = {
     .closed[SKF_ARC] = arc,
     .closed[SKF_TRIANGLE] = skf_triangle_inverse_squared,
     .closed[SKF_PLANE] = plane,
+    .singular[SKF_POINT] = "the point itself: F = +infinity, gradient 0",
+    .singular[SKF_SEGMENT] = "the segment with its ends: F = +infinity, gradient 0",
+    .singular[SKF_ARC] = "the arc with its ends: F = +infinity, gradient 0",
+    .singular[SKF_TRIANGLE] = "the triangle with its edges: F = +infinity, gradient 0",
+    .singular[SKF_PLANE] = "the plane: F = +infinity, gradient 0",
 };
