@@ -1,29 +1,48 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a scene file may hold, from the registries. */
+/* What a scene file may hold, from the reader's tables and the registries. */
 #include "cli_private.h"
+#include "scene/reader.h"
 
-static const char *const types[] = {
-    [SKF_PARAM_NUMBER] = "number",
-    [SKF_PARAM_ANGLE] = "number",
-    [SKF_PARAM_VECTOR] = "[x, y, z]",
-    [SKF_PARAM_VECTORS] = "[[x, y, z], ...]",
-};
+static void put_key(FILE *f, const char *name, bool required, const char *form, const char *doc, const char *unit) {
+  fprintf(f, "  %-12s %c %-30s %s", name, required ? '*' : ' ', form, doc);
+  if (unit) fprintf(f, " [%s]", unit);
+  fputc('\n', f);
+}
+
+static void put_section(FILE *f, const skf_section *s) {
+  char form[64];
+  fprintf(f, "\n%s: %s\n", s->name, s->doc);
+  for (int i = 0; i < s->count; i++) {
+    const skf_key *k = s->keys + i;
+    put_key(f, k->name, k->required, skf_key_form(k, form, sizeof form), k->doc, k->unit);
+  }
+}
 
 static void put_shape(FILE *f, const skf_shape_info *s) {
-  fprintf(f, "  %s: %s\n", s->name, s->doc);
+  static const char *const forms[] = {
+      [SKF_PARAM_NUMBER] = "a number", [SKF_PARAM_ANGLE] = "a number", [SKF_PARAM_VECTOR] = "[x, y, z]"};
+  fprintf(f, "\n%s: %s\n", s->name, s->doc);
   for (int i = 0; i < s->param_count; i++) {
     const skf_param *p = s->params + i;
-    fprintf(f, "    %-10s %-17s %s [%s]\n", p->name, types[p->type], p->doc, p->unit);
+    char several[32];
+    snprintf(several, sizeof several, "%d points [x, y, z]", p->count);
+    put_key(f, p->name, true, p->type == SKF_PARAM_VECTORS ? several : forms[p->type], p->doc, p->unit);
   }
 }
 
 void cli_help_scene(FILE *f) {
-  fputs("primitives, each of which may also have strength and kernel:\n", f);
+  fputs("A scene is a YAML file. Keys with * are required. Angles are degrees; everything else is in the scene's own\n"
+        "consistent units of length L, time T and mass M; coordinates are right-handed.\n",
+        f);
+  for (const skf_section *const *s = skf_sections; *s; s++) put_section(f, *s);
+  fputs("\nAn entry of a skeleton is one of the following, each of which may also have\n", f);
+  put_key(f, "strength", false, "a finite number, not 0", "factor of its field (default: 1)", "1");
+  put_key(f, "kernel", false, "{type: ...}", "instead of the body's", NULL);
   for (int i = 0; i < SKF_SHAPE_COUNT; i++) put_shape(f, skf_shape_get((skf_shape)i));
-  fputs("\nkernels, h(r):\n", f);
+  fputs("\nkernel: h(r), by its type and its parameter\n", f);
   for (int i = 0; i < SKF_KERNEL_COUNT; i++) {
     const skf_kernel_info *k = skf_kernel_get((skf_kernel_type)i);
-    fprintf(f, "  %-16s %s; %s\n", k->name, k->formula, k->doc);
-    if (k->param) fprintf(f, "    %-14s number > 0, %s [%s]\n", k->param, k->param_doc, k->param_unit);
+    fprintf(f, "  %-17s%s; %s\n", k->name, k->formula, k->doc);
+    if (k->param) put_key(f, k->param, true, "  a finite number > 0", k->param_doc, k->param_unit);
   }
 }

@@ -85,7 +85,8 @@ double skf_field_tensor_at(const skf_field *f, skf_vec3 p, skf_vec3 *g, double h
 
 skf_status skf_field_eval(const skf_field *f, size_t n, const double *const p[3], double *F, double *const g[3],
                           double *const h[6]) {
-#pragma omp parallel for schedule(static)
+  bool worth = n * f->n >= 2048; /* below, waking threads costs more than the work: 10 ms of CPU under load */
+#pragma omp parallel for schedule(static) if (worth)
   for (size_t i = 0; i < n; i++) {
     skf_vec3 G;
     double H[6], v = evaluate(f, v3(p[0][i], p[1][i], p[2][i]), h ? 2 : 1, &G, H);
