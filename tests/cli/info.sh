@@ -58,7 +58,7 @@ expect_out "numbers carry 17 digits" '"density": 1.7142857142857142'
 run info scene.yaml --json -o info.json
 expect_file "JSON in a file" info.json
 run help scene
-expect_out "the help knows the primitives" '^  arc: '
+expect_out "the help knows the primitives" '^arc: circular'
 expect_out "and the kernels" 'inverse-squared +1 / r\^2'
 for name in "$data"/*.yaml; do
   run info "$name" --json
