@@ -13,12 +13,9 @@ const cli_command *const cli_commands[] = {
     /* fields */
     &cmd_eval,
     /* rays */
-    &cmd_trace,
     /* motion */
     /* pictures */
-    &cmd_map,
     /* surfaces */
-    &cmd_mesh,
     /* scenes */
     &cmd_info,
     NULL,

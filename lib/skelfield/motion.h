@@ -15,12 +15,159 @@ typedef struct skf_spin {
   double rate;          /* [rad/T]; 0: no rotation */
 } skf_spin;
 
+/* What happens where a particle reaches a surface from outside. */
 typedef enum skf_contact_mode {
-  SKF_CONTACT_NONE,
-  SKF_CONTACT_STOP,
-  SKF_CONTACT_BOUNCE,
-  SKF_CONTACT_STICK
+  SKF_CONTACT_NONE,   /* nothing: the particle flies through */
+  SKF_CONTACT_STOP,   /* it stays at this place of the inertial frame, with velocity 0 */
+  SKF_CONTACT_BOUNCE, /* it rebounds, with restitution and Coulomb friction; see skf_outcome */
+  SKF_CONTACT_STICK   /* it stays at this place of the body, and turns with it */
 } skf_contact_mode;
+
+/* ---- Integrators ---- */
+
+/* A registered integrator. */
+typedef struct skf_integrator_info {
+  const char *name, *doc;
+  int order;       /* error of a step is O(h^(order + 1)) */
+  int dense_order; /* error of the position between the ends of a step is O(h^(dense_order + 1)) */
+  bool adaptive;   /* steps follow the tolerance */
+} skf_integrator_info;
+
+SKF_API size_t skf_integrator_count(void);
+/* Row i of the registry, the default one first; NULL when out of range. */
+SKF_API const skf_integrator_info *skf_integrator_get(size_t i);
+/* By name; NULL or "" is the default. NULL when there is none of that name. */
+SKF_API const skf_integrator_info *skf_integrator_find(const char *name);
+
+/* ---- The world: bodies that attract ---- */
+
+/* A body as particles see it. The field is borrowed and lives in the body's frame. */
+typedef struct skf_attractor {
+  const skf_field *field;
+  double iso;  /* its surface is F = iso, inside F > iso */
+  double gain; /* G rho: acceleration = gain grad F, potential energy per unit mass = -gain F */
+  skf_spin spin;
+} skf_attractor;
+
+/* Immutable, safe to share between threads. */
+typedef struct skf_world skf_world;
+
+/* Copies the bodies. SKF_ERR_ARG without a field, SKF_ERR_RANGE for numbers that are not finite, SKF_ERR_DEGENERATE for
+   a spin without an axis, SKF_ERR_NOMEM. */
+SKF_API skf_status skf_world_new(const skf_attractor *bodies, size_t n, skf_world **out);
+SKF_API void skf_world_free(skf_world *world);
+SKF_API size_t skf_world_size(const skf_world *world);
+
+/* Acceleration [L/T^2] and potential energy per unit mass [L^2/T^2] in the inertial frame at time t; a may be NULL. */
+SKF_API double skf_world_at(const skf_world *world, double t, skf_vec3 p, skf_vec3 *a);
+
+/* From the inertial frame to the frame of a body at time t, and back. */
+SKF_API skf_vec3 skf_world_to_body(const skf_world *world, size_t body, double t, skf_vec3 p);
+SKF_API skf_vec3 skf_world_from_body(const skf_world *world, size_t body, double t, skf_vec3 p);
+/* Velocity of the body's material at p (inertial frame). */
+SKF_API skf_vec3 skf_world_surface_velocity(const skf_world *world, size_t body, skf_vec3 p);
+/* F - iso of a body at an inertial point. */
+SKF_API double skf_world_level(const skf_world *world, size_t body, double t, skf_vec3 p);
+
+/* Position [L] and velocity [L/T] in the inertial frame at time t [T]. */
+typedef struct skf_state {
+  double t;
+  skf_vec3 position, velocity;
+} skf_state;
+
+/* Constants of the motion that the world has; those that it has not are NAN. Per unit mass. */
+typedef struct skf_invariants {
+  double energy;         /* kinetic + potential: nothing spins [L^2/T^2] */
+  double jacobi;         /* energy - omega . angular momentum about the axis: all bodies spin alike */
+  double axial_momentum; /* about the common axis, where every body is symmetric about it [L^2/T] */
+  double scale;          /* kinetic + |potential|: what an error of energy is relative to */
+} skf_invariants;
+SKF_API skf_invariants skf_world_invariants(const skf_world *world, const skf_state *state);
+
+/* ---- Flights: one particle ---- */
+
+typedef struct skf_flight_options {
+  const char *integrator; /* NULL: default */
+  double tolerance;       /* relative error per step, in (0, 0.1]; 0: 1e-12 */
+  double max_step;        /* [T]; 0: none */
+  skf_contact_mode contact;
+  double restitution, friction; /* of a bounce: restitution in [0, 1], friction >= 0 */
+} skf_flight_options;
+
+typedef enum skf_outcome {
+  SKF_OUTCOME_STOP,   /* stays in space from now on */
+  SKF_OUTCOME_STICK,  /* stays on the body from now on */
+  SKF_OUTCOME_BOUNCE, /* rebounds */
+  SKF_OUTCOME_SLIDE,  /* rebounds too low to tell; slides along the surface from now on, until it takes off */
+  SKF_OUTCOME_REST,   /* comes to rest on the body and stays there */
+  SKF_OUTCOME_COUNT
+} skf_outcome;
+/* "stop", "stick", "bounce", "slide", "rest" */
+SKF_API const char *skf_outcome_name(skf_outcome outcome);
+
+/* One contact, in the inertial frame. */
+typedef struct skf_contact {
+  double t;
+  size_t particle, body;
+  skf_vec3 position, normal; /* outward unit normal */
+  skf_vec3 before, after;    /* velocity before and after the contact */
+  skf_outcome outcome;
+} skf_contact;
+
+/* What a flight cost and how well it kept its invariants; a drift is NAN where the world has no such invariant.
+   Drifts are the largest between two contacts, relative to the scale of skf_invariants (momentum: to |r| |v|). */
+typedef struct skf_flight_report {
+  size_t steps, rejected, evaluations, contacts;
+  size_t bounds;  /* enclosures computed in the search for contacts */
+  size_t grazing; /* pieces of path that touch a surface too closely to decide; taken as a miss */
+  double h_min, h_max;
+  double energy_drift, jacobi_drift, momentum_drift;
+} skf_flight_report;
+
+typedef struct skf_flight skf_flight;
+
+/* SKF_ERR_ARG for an unknown integrator or options out of range, SKF_ERR_RANGE for a start that is not finite. */
+SKF_API skf_status skf_flight_new(const skf_world *world, const skf_flight_options *options, const skf_state *start,
+                                  skf_flight **out);
+SKF_API void skf_flight_free(skf_flight *flight);
+
+/* Takes one step of the integrator's own choosing, which ends early at a contact; *contact, if given, is then filled
+   and *touched set. SKF_ERR_CONVERGENCE when the force is not finite or the step shrinks to nothing: the flight then
+   stays where it was. */
+SKF_API skf_status skf_flight_step(skf_flight *flight, skf_contact *contact, bool *touched);
+/* Times between which the last step is known: skf_flight_at works there. */
+SKF_API void skf_flight_span(const skf_flight *flight, double *from, double *to);
+/* The state at a time in that span, from the dense output; after a contact at its end for t = to. */
+SKF_API skf_status skf_flight_at(skf_flight *flight, double t, skf_state *out);
+SKF_API skf_flight_report skf_flight_get_report(const skf_flight *flight);
+
+/* ---- Runs: many particles, rows of output ---- */
+
+typedef struct skf_run {
+  size_t count;           /* particles */
+  const skf_state *start; /* all at the same t */
+  double t_end, every;    /* rows at start + k every, and at t_end; every 0: only the two ends */
+  skf_flight_options flight;
+} skf_run;
+
+/* Receives what a run makes, from one thread, in order of time; contacts of the same time by particle, and all contacts
+   up to a time before the row of that time. A status other than SKF_OK ends the run with that status. */
+typedef struct skf_run_sink {
+  skf_status (*row)(void *user, double t, const skf_state *states);
+  skf_status (*contact)(void *user, const skf_contact *contact);
+  void *user;
+} skf_run_sink;
+
+/* Where a run failed. */
+typedef struct skf_run_failure {
+  size_t particle;
+  double t;
+} skf_run_failure;
+
+/* Runs on OpenMP's threads; results do not depend on their number. reports: NULL or one a particle. failure: NULL, or
+   filled when the status is SKF_ERR_CONVERGENCE; rows before that time have been delivered. */
+SKF_API skf_status skf_run_all(const skf_world *world, const skf_run *run, const skf_run_sink *sink,
+                               const skf_progress *progress, skf_flight_report *reports, skf_run_failure *failure);
 
 #ifdef __cplusplus
 }

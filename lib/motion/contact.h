@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* Where a curved path first enters a body, and what happens there. */
+#ifndef SKF_MOTION_CONTACT_H
+#define SKF_MOTION_CONTACT_H
+
+#include "motion/path.h"
+#include "motion/world.h"
+
+typedef struct skf_touch {
+  bool found;
+  size_t body;
+  double s; /* on the path */
+} skf_touch;
+
+typedef struct skf_search_report {
+  size_t bounds, grazing;
+} skf_search_report;
+
+/* The first s in [0, s_end] where the path goes from F < iso to F >= iso of any body. `born`: index of a body on whose
+   surface the path begins, from outside (a contact at s = 0 is then one that goes inwards), or SIZE_MAX. */
+skf_touch skf_contact_find(const skf_world *world, const skf_path *path, double s_end, size_t born,
+                           skf_search_report *report);
+
+/* Index of a body on whose surface p lies up to rounding, SIZE_MAX when there is none. */
+size_t skf_contact_born(const skf_world *world, skf_clock t, skf_vec3 p);
+
+/* Outward unit normal in the inertial frame; zero where the field has no gradient. */
+skf_vec3 skf_contact_normal(const skf_world_body *b, skf_clock t, skf_vec3 p);
+
+/* Velocity after a rebound, and which kind it is: SKF_OUTCOME_BOUNCE, _SLIDE or _REST. */
+skf_outcome skf_contact_rebound(const skf_world *world, const skf_world_body *b, const skf_flight_options *options,
+                                skf_clock t, skf_vec3 p, skf_vec3 normal, skf_vec3 before, skf_vec3 *after);
+
+#endif

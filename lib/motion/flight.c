@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: MIT */
+/* One particle: steps, contacts, and what becomes of it. */
+#include "core/alloc.h"
+#include "motion/contact.h"
+#include "motion/integrator.h"
+#include <float.h>
+#include <stdint.h>
+
+/* The first step is this share of the shorter of the times that it takes to cross or to fall the world's length. */
+#define FIRST_STEP 0.01
+/* A particle that touches this often without time going on is wedged: it rests. */
+#define WEDGED 8
+
+typedef enum fate { FLIES, STOPPED, RIDES } fate;
+
+struct skf_flight {
+  const skf_world *world;
+  skf_flight_options options;
+  const skf_integrator_ops *ops;
+  void *work;
+  skf_ode ode;
+  skf_orbit orbit;     /* at the end of the last step, after its contact */
+  skf_clock from;      /* start of the last step */
+  skf_path path;       /* of the last step, where there was one */
+  bool stepped, dense; /* there was a step; its path is known */
+  fate fate;
+  size_t body;   /* that it rides on, or on whose surface it starts; SIZE_MAX: none */
+  skf_vec3 seat; /* its place on that body */
+  bool sliding;
+  int wedged;
+  skf_invariants reference; /* since the last contact */
+  double momentum_scale;
+  skf_flight_report report;
+};
+
+static bool force(const void *user, skf_clock t, skf_vec3 x, skf_vec3 *a, double *noise) {
+  return skf_world_force(user, t, x, a, noise);
+}
+
+static bool sound(const skf_flight_options *o) {
+  if (!(o->tolerance > 0 && o->tolerance <= 0.1) || !(o->max_step > 0)) return false;
+  if ((unsigned)o->contact > SKF_CONTACT_STICK) return false;
+  if (o->contact != SKF_CONTACT_BOUNCE) return true;
+  return o->restitution >= 0 && o->restitution <= 1 && o->friction >= 0 && isfinite(o->friction);
+}
+
+/* Length over which the world changes, seen from p. */
+static double length_at(const skf_world *w, skf_vec3 p) {
+  double length = INFINITY;
+  for (size_t i = 0; i < w->n; i++) {
+    const skf_world_body *b = w->bodies + i;
+    double d = b->radius + v3_dist(p, b->center);
+    length = fmin(length, fmin(d, b->grain));
+  }
+  return length > 0 && isfinite(length) ? length : 1;
+}
+
+static double first_step(const skf_flight *f) {
+  skf_vec3 a = {0, 0, 0};
+  double noise, L = length_at(f->world, f->orbit.x), v = v3_norm(f->orbit.v);
+  skf_world_force(f->world, f->orbit.t, f->orbit.x, &a, &noise);
+  double h = FIRST_STEP * fmin(L / v, sqrt(L / v3_norm(a)));
+  return isfinite(h) && h > 0 ? h : 1;
+}
+
+static void take_reference(skf_flight *f) {
+  f->reference = skf_world_invariants_at(f->world, f->orbit.t, f->orbit.x, f->orbit.v);
+  skf_vec3 r = f->world->axial ? v3_sub(f->orbit.x, f->world->about) : f->orbit.x;
+  f->momentum_scale = v3_norm(r) * v3_norm(f->orbit.v);
+}
+
+static double worse(double drift, double now, double before, double scale) {
+  double d = fabs(now - before) / scale;
+  if (now == before) d = 0;
+  return isnan(d) ? drift : isnan(drift) ? d : fmax(drift, d);
+}
+
+static void compare(const skf_flight *f, skf_vec3 x, skf_vec3 v, skf_clock t, skf_flight_report *r) {
+  skf_invariants k = skf_world_invariants_at(f->world, t, x, v);
+  const skf_invariants *a = &f->reference;
+  double scale = fmax(k.scale, a->scale);
+  r->energy_drift = worse(r->energy_drift, k.energy, a->energy, scale);
+  r->jacobi_drift = worse(r->jacobi_drift, k.jacobi, a->jacobi, scale);
+  r->momentum_drift = worse(r->momentum_drift, k.axial_momentum, a->axial_momentum, f->momentum_scale);
+}
+
+static skf_status restart(skf_flight *f) {
+  take_reference(f);
+  return f->ops->begin(f->work, &f->ode, &f->orbit, first_step(f));
+}
+
+skf_status skf_flight_new(const skf_world *world, const skf_flight_options *options, const skf_state *start,
+                          skf_flight **out) {
+  *out = NULL;
+  skf_flight_options o = *options;
+  if (o.tolerance == 0) o.tolerance = 1e-12;
+  if (o.max_step == 0) o.max_step = INFINITY;
+  const skf_integrator_ops *ops = skf_integrator_row(o.integrator);
+  if (!ops || !sound(&o)) return SKF_ERR_ARG;
+  if (!isfinite(start->t) || !v3_finite(start->position) || !v3_finite(start->velocity)) return SKF_ERR_RANGE;
+  skf_flight *f = skf_alloc(1, sizeof *f);
+  if (f) f->work = skf_alloc(1, ops->work_size);
+  if (!f || !f->work) return skf_flight_free(f), SKF_ERR_NOMEM;
+  f->world = world, f->options = o, f->ops = ops;
+  f->ode = (skf_ode){force, world, 0};
+  f->orbit = (skf_orbit){.t = {start->t, 0}, .x = start->position, .v = start->velocity};
+  f->from = f->orbit.t;
+  f->report.h_min = INFINITY;
+  f->report.energy_drift = f->report.jacobi_drift = f->report.momentum_drift = NAN;
+  f->body = o.contact != SKF_CONTACT_NONE ? skf_contact_born(world, f->orbit.t, f->orbit.x) : SIZE_MAX;
+  skf_status s = restart(f);
+  if (s) return skf_flight_free(f), s;
+  return *out = f, SKF_OK;
+}
+
+void skf_flight_free(skf_flight *f) {
+  if (f) skf_free(f->work);
+  skf_free(f);
+}
+
+/* What the contact does to the flight: its new fate and velocity. */
+static skf_outcome resolve(skf_flight *f, const skf_world_body *b, skf_contact *c) {
+  switch (f->options.contact) {
+  case SKF_CONTACT_STICK: return c->after = skf_body_velocity(b, c->position), SKF_OUTCOME_STICK;
+  case SKF_CONTACT_BOUNCE:
+    if (!(v3_norm(c->normal) > 0) || f->wedged >= WEDGED)
+      return c->after = skf_body_velocity(b, c->position), SKF_OUTCOME_REST;
+    return skf_contact_rebound(f->world, b, &f->options, f->orbit.t, c->position, c->normal, c->before, &c->after);
+  default: return c->after = v3(0, 0, 0), SKF_OUTCOME_STOP;
+  }
+}
+
+/* Cuts the last step at the contact. *silent: a further hop of a slide, not told again. */
+static skf_status touch(skf_flight *f, const skf_touch *at, skf_contact *c, bool *silent) {
+  const skf_world_body *b = f->world->bodies + at->body;
+  skf_clock t = clock_add(f->path.t0, at->s * f->path.h);
+  skf_vec3 x = skf_path_position(&f->path, at->s), v = skf_path_velocity(&f->path, at->s);
+  f->wedged = clock_since(t.hi, f->from) == 0 ? f->wedged + 1 : 0;
+  compare(f, x, v, t, &f->report);
+  f->orbit = (skf_orbit){.t = t, .x = x, .v = v};
+  *c = (skf_contact){.t = t.hi, .body = at->body, .position = x, .before = v, .normal = skf_contact_normal(b, t, x)};
+  c->outcome = resolve(f, b, c);
+  *silent = c->outcome == SKF_OUTCOME_SLIDE && f->sliding;
+  f->sliding = c->outcome == SKF_OUTCOME_SLIDE;
+  f->body = at->body;
+  f->orbit.v = c->after;
+  f->report.contacts += !*silent;
+  if (c->outcome == SKF_OUTCOME_BOUNCE || f->sliding) return restart(f);
+  f->fate = c->outcome == SKF_OUTCOME_STOP ? STOPPED : RIDES;
+  skf_turn r = skf_turn_at(b, t);
+  f->seat = skf_turn_point(&r, -1, x);
+  return SKF_OK;
+}
+
+static double longest_step(const skf_flight *f) {
+  double leap = skf_world_leap(f->world, f->orbit.x);
+  return fmin(f->options.max_step, leap / v3_norm(f->orbit.v)); /* at rest: infinity */
+}
+
+static skf_status know_path(skf_flight *f) {
+  if (f->dense) return SKF_OK;
+  skf_status s = f->ops->dense(f->work, &f->ode, &f->path);
+  f->dense = s == SKF_OK;
+  return s;
+}
+
+skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
+  skf_step_control control = {f->options.tolerance, longest_step(f)};
+  if (touched) *touched = false;
+  if (f->fate != FLIES) return SKF_OK;
+  skf_orbit before = f->orbit;
+  skf_status s = f->ops->step(f->work, &f->ode, &control, &f->orbit, &f->report.rejected);
+  if (s) return s;
+  double h = clock_since(f->orbit.t.hi, before.t) + f->orbit.t.lo;
+  f->report.steps++;
+  f->report.h_min = fmin(f->report.h_min, h);
+  f->report.h_max = fmax(f->report.h_max, h);
+  f->from = before.t;
+  f->stepped = true, f->dense = false;
+  if (f->options.contact == SKF_CONTACT_NONE) return SKF_OK;
+  s = know_path(f);
+  if (s) return s;
+  skf_search_report search = {0};
+  skf_touch at = skf_contact_find(f->world, &f->path, 1, f->body, &search);
+  f->report.bounds += search.bounds, f->report.grazing += search.grazing;
+  f->body = SIZE_MAX;
+  if (!at.found) return SKF_OK;
+  skf_contact c;
+  bool silent;
+  s = touch(f, &at, &c, &silent);
+  if (contact) *contact = c;
+  if (touched) *touched = !silent;
+  return s;
+}
+
+void skf_flight_span(const skf_flight *f, double *from, double *to) {
+  *from = f->from.hi;
+  *to = f->fate == FLIES ? f->orbit.t.hi : INFINITY;
+}
+
+static skf_state seated(const skf_flight *f, double t) {
+  skf_state s = {t, f->orbit.x, {0, 0, 0}};
+  if (f->fate == STOPPED) return s;
+  const skf_world_body *b = f->world->bodies + f->body;
+  skf_turn r = skf_turn_at(b, (skf_clock){t, 0});
+  s.position = skf_turn_point(&r, 1, f->seat);
+  s.velocity = skf_body_velocity(b, s.position);
+  return s;
+}
+
+skf_status skf_flight_at(skf_flight *f, double t, skf_state *out) {
+  double from, to;
+  skf_flight_span(f, &from, &to);
+  if (!(t >= from && t <= to)) return SKF_ERR_RANGE;
+  if (f->fate != FLIES && t >= f->orbit.t.hi) return *out = seated(f, t), SKF_OK;
+  if (t == f->orbit.t.hi) {
+    *out = (skf_state){t, v3_add(f->orbit.x, f->orbit.x_low), v3_add(f->orbit.v, f->orbit.v_low)};
+    return SKF_OK;
+  }
+  skf_status s = know_path(f);
+  if (s) return s;
+  double u = clock_since(t, f->path.t0) / f->path.h;
+  *out = (skf_state){t, skf_path_position(&f->path, u), skf_path_velocity(&f->path, u)};
+  return SKF_OK;
+}
+
+skf_flight_report skf_flight_get_report(const skf_flight *f) {
+  skf_flight_report r = f->report;
+  r.evaluations = f->ode.evaluations;
+  if (f->fate == FLIES)
+    compare(f, v3_add(f->orbit.x, f->orbit.x_low), v3_add(f->orbit.v, f->orbit.v_low), f->orbit.t, &r);
+  return r;
+}

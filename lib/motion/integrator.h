@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT */
+/* The row that each integrator's file gives to the registry. */
+#ifndef SKF_MOTION_INTEGRATOR_H
+#define SKF_MOTION_INTEGRATOR_H
+
+#include "skelfield/motion.h"
+#include "motion/path.h"
+
+/* x'' = a(t, x). `eval` returns false where the acceleration is not finite; *noise is the size of its rounding error.
+ */
+typedef struct skf_ode {
+  bool (*eval)(const void *user, skf_clock t, skf_vec3 x, skf_vec3 *a, double *noise);
+  const void *user;
+  size_t evaluations;
+} skf_ode;
+
+/* Where a particle is, with the rounding errors of the running sums. */
+typedef struct skf_orbit {
+  skf_clock t;
+  skf_vec3 x, v, x_low, v_low;
+} skf_orbit;
+
+typedef struct skf_step_control {
+  double tolerance;
+  double h_max; /* never step further than this */
+} skf_step_control;
+
+/* One file per integrator. `work` is work_size bytes of its own. */
+typedef struct skf_integrator_ops {
+  skf_integrator_info info;
+  size_t work_size;
+  /* Forget the past: a new orbit begins; h is a first guess. SKF_ERR_CONVERGENCE when the force is not finite there. */
+  skf_status (*begin)(void *work, skf_ode *ode, const skf_orbit *at, double h);
+  /* Advance *at by one accepted step, counting those that were refused. On failure *at is as it was. */
+  skf_status (*step)(void *work, skf_ode *ode, const skf_step_control *control, skf_orbit *at, size_t *rejected);
+  /* The path of the last step. */
+  skf_status (*dense)(void *work, skf_ode *ode, skf_path *path);
+} skf_integrator_ops;
+
+extern const skf_integrator_ops skf_integrator_gauss_radau, skf_integrator_dop853;
+
+const skf_integrator_ops *skf_integrator_row(const char *name);
+
+/* The smallest step that still moves the clock by a few units in the last place. */
+static inline double skf_step_floor(skf_clock t) { return 64 * 2.220446049250313e-16 * fabs(t.hi); }
+
+/* x += by d, errors kept. */
+static inline void skf_orbit_add(skf_vec3 *x, skf_vec3 *low, skf_vec3 d) {
+  sum_add(&x->x, &low->x, d.x);
+  sum_add(&x->y, &low->y, d.y);
+  sum_add(&x->z, &low->z, d.z);
+}
+
+#endif

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT */
+/* Which constants of the motion a world has, and their values. */
+#include "motion/world.h"
+
+/* Two directions count as parallel, and a point as lying on an axis, within this many times the rounding of their own
+   numbers: scene files give 16 digits. */
+#define SAME 1e-14
+
+static bool parallel(skf_vec3 a, skf_vec3 b) { return v3_norm(v3_cross(v3_unit(a), v3_unit(b))) <= SAME; }
+
+static bool on_axis(skf_vec3 p, skf_vec3 axis, skf_vec3 about) {
+  skf_vec3 d = v3_sub(p, about);
+  return v3_norm(v3_cross(d, axis)) <= SAME * (v3_norm(p) + v3_norm(about));
+}
+
+/* The axis of a primitive's own symmetry; false when it has none. A point has every axis through it (zero vector). */
+static bool axis_of(const skf_primitive *p, skf_vec3 *axis, skf_vec3 *about) {
+  switch (p->shape) {
+  case SKF_POINT: return *axis = v3(0, 0, 0), *about = p->point.at, true;
+  case SKF_SEGMENT: *axis = v3_sub(p->segment.to, p->segment.from); return *about = p->segment.from, true;
+  case SKF_ARC: return *axis = p->arc.normal, *about = p->arc.center, p->arc.sweep >= 2 * SKF_PI;
+  default: return false;
+  }
+}
+
+typedef struct symmetry {
+  bool any, axial, point;
+  skf_vec3 axis, about; /* axis is zero while only one point is known */
+} symmetry;
+
+static void join_axis(symmetry *s, skf_vec3 axis, skf_vec3 about) {
+  bool point = v3_norm(axis) == 0;
+  if (!s->any) {
+    *s = (symmetry){true, true, point, v3_unit(axis), about};
+  } else if (s->point) {
+    skf_vec3 d = point ? v3_sub(about, s->about) : axis;
+    if (point && v3_norm(d) == 0) return;
+    skf_vec3 first = s->about;
+    *s = (symmetry){true, true, false, v3_unit(d), about};
+    s->axial = on_axis(first, s->axis, about);
+  } else {
+    s->axial = s->axial && (point || parallel(axis, s->axis)) && on_axis(about, s->axis, s->about);
+  }
+}
+
+static void join_body(symmetry *s, const skf_world_body *b) {
+  size_t n = skf_field_size(b->is.field);
+  for (size_t i = 0; i < n; i++) {
+    const skf_primitive *p = &skf_field_element(b->is.field, i)->primitive;
+    skf_vec3 axis, about;
+    if (p->shape == SKF_PLANE) continue;
+    if (axis_of(p, &axis, &about))
+      join_axis(s, axis, about);
+    else
+      s->any = true, s->axial = s->point = false;
+  }
+  if (b->rate != 0) join_axis(s, b->axis, b->is.spin.about);
+}
+
+/* A plane is symmetric about every axis along its normal: it only gives a direction. */
+static void join_planes(symmetry *s, const skf_world_body *b) {
+  size_t n = skf_field_size(b->is.field);
+  for (size_t i = 0; i < n; i++) {
+    const skf_primitive *p = &skf_field_element(b->is.field, i)->primitive;
+    if (p->shape != SKF_PLANE) continue;
+    if (s->point) *s = (symmetry){true, s->axial, false, v3_unit(p->plane.normal), s->about};
+    s->axial = s->axial && parallel(p->plane.normal, s->axis);
+  }
+}
+
+void skf_world_find_symmetry(skf_world *w) {
+  symmetry s = {0};
+  const skf_world_body *first = w->bodies;
+  w->still = w->alike = true;
+  for (size_t i = 0; i < w->n; i++) {
+    const skf_world_body *b = w->bodies + i;
+    if (b->rate != 0) w->still = false;
+    skf_vec3 omega = v3_scale(b->rate, b->axis), omega0 = v3_scale(first->rate, first->axis);
+    if (v3_dist(omega, omega0) > SAME * v3_norm(omega0)) w->alike = false;
+    if (first->rate != 0 && !on_axis(b->is.spin.about, first->axis, first->is.spin.about)) w->alike = false;
+    join_body(&s, b);
+  }
+  for (size_t i = 0; i < w->n; i++) join_planes(&s, w->bodies + i);
+  w->axial = s.any && s.axial && !s.point;
+  if (w->still && s.any && s.axial && s.point) w->axial = true, s.axis = v3(0, 0, 1);
+  if (w->axial) w->axis = s.axis, w->about = s.about;
+}
+
+skf_invariants skf_world_invariants_at(const skf_world *w, skf_clock t, skf_vec3 p, skf_vec3 v) {
+  double magnitude, u = skf_world_potential(w, t, p, &magnitude), kinetic = 0.5 * v3_norm2(v);
+  skf_invariants k = {NAN, NAN, NAN, kinetic + magnitude};
+  if (w->still || w->axial) k.energy = kinetic + u; /* a body that spins about its own symmetry axis does not move */
+  if (w->alike && !w->still) {
+    const skf_world_body *b = w->bodies;
+    skf_vec3 L = v3_cross(v3_sub(p, b->is.spin.about), v);
+    k.jacobi = kinetic + u - b->rate * v3_dot(b->axis, L);
+  }
+  if (w->axial) k.axial_momentum = v3_dot(w->axis, v3_cross(v3_sub(p, w->about), v));
+  return k;
+}
+
+skf_invariants skf_world_invariants(const skf_world *w, const skf_state *s) {
+  return skf_world_invariants_at(w, (skf_clock){s->t, 0}, s->position, s->velocity);
+}

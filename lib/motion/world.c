@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT */
+/* Bodies that attract: frames, forces, potentials. */
+#include "core/alloc.h"
+#include "motion/world.h"
+#include <float.h>
+#include <string.h>
+
+/* The Gaussian is exactly 0 in doubles where a^2 r^2 > 745.2: a r > 27.3. */
+#define GAUSSIAN_REACH 27.3
+
+static double support(const skf_kernel *k) {
+  if (skf_kernel_get(k->type)->compact) return k->param;
+  return k->type == SKF_GAUSSIAN ? GAUSSIAN_REACH / k->param : INFINITY;
+}
+
+/* What of a body is of the size of its kernels and of its skeleton. */
+static void measure(skf_world_body *b) {
+  const skf_field *f = b->is.field;
+  size_t n = skf_field_size(f);
+  skf_box box = box_empty();
+  bool bounded = true;
+  double widest = 0;
+  b->grain = INFINITY;
+  for (size_t i = 0; i < n; i++) {
+    const skf_element *e = skf_field_element(f, i);
+    double r = support(&e->kernel);
+    widest = fmax(widest, r);
+    b->grain = fmin(b->grain, e->kernel.type == SKF_GAUSSIAN ? 4 / e->kernel.param : r);
+    if (e->primitive.shape == SKF_PLANE)
+      bounded = false;
+    else
+      box = box_join(box, skf_primitive_bounds(&e->primitive));
+  }
+  b->reach = INFINITY;
+  if (!(box.lo.x <= box.hi.x)) return;
+  b->center = box_center(box);
+  b->radius = 0.5 * box_diagonal(box);
+  if (bounded) b->reach = b->radius + widest;
+}
+
+static void find_wall(skf_world_body *b) {
+  skf_box box;
+  skf_status s = skf_field_region(b->is.field, b->is.iso, &box);
+  b->surface = s != SKF_ERR_EMPTY;
+  b->walled = s == SKF_OK;
+  if (!b->walled) return;
+  b->wall_center = box_center(box);
+  b->wall_radius = 0.5 * box_diagonal(box) * (1 + 1e-12); /* rounding of the box itself */
+}
+
+static skf_status set(skf_world_body *b, const skf_attractor *from) {
+  const skf_spin *spin = &from->spin;
+  if (!from->field) return SKF_ERR_ARG;
+  if (!isfinite(from->iso) || !isfinite(from->gain) || !isfinite(spin->rate)) return SKF_ERR_RANGE;
+  b->is = *from;
+  if (spin->rate != 0) {
+    if (!v3_finite(spin->axis) || !v3_finite(spin->about)) return SKF_ERR_RANGE;
+    b->axis = v3_unit(spin->axis);
+    if (!(v3_norm(b->axis) > 0)) return SKF_ERR_DEGENERATE;
+    b->rate = spin->rate;
+  }
+  measure(b);
+  find_wall(b);
+  return SKF_OK;
+}
+
+skf_status skf_world_new(const skf_attractor *bodies, size_t n, skf_world **out) {
+  *out = NULL;
+  skf_world *w = skf_alloc(1, sizeof *w);
+  if (w) w->bodies = skf_alloc(n, sizeof *w->bodies);
+  if (!w || !w->bodies) return skf_world_free(w), SKF_ERR_NOMEM;
+  w->n = n;
+  for (size_t i = 0; i < n; i++) {
+    skf_status s = set(w->bodies + i, bodies + i);
+    if (s) return skf_world_free(w), s;
+  }
+  skf_world_find_symmetry(w);
+  return *out = w, SKF_OK;
+}
+
+void skf_world_free(skf_world *w) {
+  if (w) skf_free(w->bodies);
+  skf_free(w);
+}
+
+size_t skf_world_size(const skf_world *w) { return w->n; }
+
+skf_turn skf_turn_at(const skf_world_body *b, skf_clock t) {
+  if (b->rate == 0) return (skf_turn){.c = 1};
+  double angle = clock_angle(t, b->rate);
+  return (skf_turn){b->axis, b->is.spin.about, cos(angle), sin(angle), true};
+}
+
+skf_vec3 skf_turn_vector(const skf_turn *r, double sign, skf_vec3 v) {
+  if (!r->on) return v;
+  skf_vec3 along = v3_scale(v3_dot(r->axis, v), r->axis), across = v3_sub(v, along);
+  return v3_add(along, v3_mad(v3_scale(r->c, across), sign * r->s, v3_cross(r->axis, v)));
+}
+
+skf_vec3 skf_turn_point(const skf_turn *r, double sign, skf_vec3 p) {
+  return r->on ? v3_add(r->about, skf_turn_vector(r, sign, v3_sub(p, r->about))) : p;
+}
+
+bool skf_world_force(const skf_world *w, skf_clock t, skf_vec3 p, skf_vec3 *a, double *noise) {
+  skf_vec3 sum = {0, 0, 0};
+  double rough = 0;
+  for (size_t i = 0; i < w->n; i++) {
+    const skf_world_body *b = w->bodies + i;
+    if (b->is.gain == 0) continue;
+    skf_turn r = skf_turn_at(b, t);
+    skf_vec3 g, q = skf_turn_point(&r, -1, p);
+    double F = skf_field_at(b->is.field, q, &g), size = b->radius + v3_dist(q, b->center);
+    if (!isfinite(F)) return false;
+    sum = v3_mad(sum, b->is.gain, skf_turn_vector(&r, 1, g));
+    rough += fabs(b->is.gain) * (v3_norm(g) + (b->radius > 0 ? fabs(F) / size : 0));
+  }
+  *a = sum;
+  *noise = DBL_EPSILON * rough;
+  return v3_finite(sum);
+}
+
+double skf_world_potential(const skf_world *w, skf_clock t, skf_vec3 p, double *magnitude) {
+  double u = 0, m = 0;
+  for (size_t i = 0; i < w->n; i++) {
+    skf_turn r = skf_turn_at(w->bodies + i, t);
+    double part = -w->bodies[i].is.gain * skf_field_at(w->bodies[i].is.field, skf_turn_point(&r, -1, p), NULL);
+    u += part;
+    m += fabs(part);
+  }
+  if (magnitude) *magnitude = m;
+  return u;
+}
+
+skf_vec3 skf_body_velocity(const skf_world_body *b, skf_vec3 p) {
+  if (b->rate == 0) return v3(0, 0, 0);
+  return v3_scale(b->rate, v3_cross(b->axis, v3_sub(p, b->is.spin.about)));
+}
+
+double skf_world_leap(const skf_world *w, skf_vec3 p) {
+  double leap = INFINITY;
+  for (size_t i = 0; i < w->n; i++) {
+    const skf_world_body *b = w->bodies + i;
+    if (!isfinite(b->grain)) continue;
+    double far = 0; /* from the ball that the body's reach sweeps */
+    if (isfinite(b->reach) && b->rate == 0) far = v3_dist(p, b->center) - b->reach;
+    if (isfinite(b->reach) && b->rate != 0)
+      far = v3_dist(p, b->is.spin.about) - v3_dist(b->center, b->is.spin.about) - b->reach;
+    leap = fmin(leap, fmax(far, 0.5 * b->grain));
+  }
+  return leap;
+}
+
+static skf_clock clock_of(double t) { return (skf_clock){t, 0}; }
+
+double skf_world_at(const skf_world *w, double t, skf_vec3 p, skf_vec3 *a) {
+  double noise;
+  if (a) skf_world_force(w, clock_of(t), p, a, &noise);
+  return skf_world_potential(w, clock_of(t), p, NULL);
+}
+
+skf_vec3 skf_world_to_body(const skf_world *w, size_t body, double t, skf_vec3 p) {
+  skf_turn r = skf_turn_at(w->bodies + body, clock_of(t));
+  return skf_turn_point(&r, -1, p);
+}
+
+skf_vec3 skf_world_from_body(const skf_world *w, size_t body, double t, skf_vec3 p) {
+  skf_turn r = skf_turn_at(w->bodies + body, clock_of(t));
+  return skf_turn_point(&r, 1, p);
+}
+
+skf_vec3 skf_world_surface_velocity(const skf_world *w, size_t body, skf_vec3 p) {
+  return skf_body_velocity(w->bodies + body, p);
+}
+
+double skf_world_level(const skf_world *w, size_t body, double t, skf_vec3 p) {
+  const skf_world_body *b = w->bodies + body;
+  return skf_field_at(b->is.field, skf_world_to_body(w, body, t, p), NULL) - b->is.iso;
+}

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+/* Bodies that attract, as the integrators and the search for contacts see them. */
+#ifndef SKF_MOTION_WORLD_H
+#define SKF_MOTION_WORLD_H
+
+#include "skelfield/motion.h"
+#include "motion/clock.h"
+
+typedef struct skf_world_body {
+  skf_attractor is;
+  skf_vec3 axis;        /* unit, or zero without rotation */
+  double rate;          /* 0 without rotation */
+  skf_vec3 center;      /* of the bounded part of the skeleton, body frame */
+  double radius;        /* of a ball about it that holds that part; 0 when there is none */
+  double grain;         /* shortest support of its kernels, INFINITY when none has one */
+  double reach;         /* no force beyond this distance from center; INFINITY when none is bounded */
+  bool surface;         /* it has a surface that can be touched */
+  bool walled;          /* the surface lies in a known ball: */
+  skf_vec3 wall_center; /* body frame */
+  double wall_radius;
+} skf_world_body;
+
+struct skf_world {
+  size_t n;
+  skf_world_body *bodies;
+  bool still;           /* nothing spins */
+  bool alike;           /* all bodies spin alike: there is a Jacobi constant */
+  bool axial;           /* everything is symmetric about one axis, */
+  skf_vec3 axis, about; /* this one */
+};
+
+/* A rotation at one instant: angle about an axis through a point. */
+typedef struct skf_turn {
+  skf_vec3 axis, about;
+  double c, s; /* cosine and sine */
+  bool on;
+} skf_turn;
+
+skf_turn skf_turn_at(const skf_world_body *b, skf_clock t);
+/* Turns a vector by the angle (sign +1: body to inertial) or back (sign -1). */
+skf_vec3 skf_turn_vector(const skf_turn *r, double sign, skf_vec3 v);
+skf_vec3 skf_turn_point(const skf_turn *r, double sign, skf_vec3 p);
+
+/* Acceleration of a particle; *noise bounds its rounding error from above, roughly. False when not finite. */
+bool skf_world_force(const skf_world *world, skf_clock t, skf_vec3 p, skf_vec3 *a, double *noise);
+/* Potential energy per unit mass, and the sum of its terms' magnitudes. */
+double skf_world_potential(const skf_world *world, skf_clock t, skf_vec3 p, double *magnitude);
+/* Velocity of the material at an inertial point. */
+skf_vec3 skf_body_velocity(const skf_world_body *b, skf_vec3 p);
+/* Longest distance that a particle at p may travel in one step without leaping over a field of finite support. */
+double skf_world_leap(const skf_world *world, skf_vec3 p);
+/* The symmetry of the whole world. */
+void skf_world_find_symmetry(skf_world *world);
+skf_invariants skf_world_invariants_at(const skf_world *world, skf_clock t, skf_vec3 p, skf_vec3 v);
+
+#endif
