@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Triangles: reference values, derivatives, symmetries, limits, singular sets. Every test loops over the kernels. */
 #include "triangle_check.h"
+#include "field/quadrature.h"
 #include "num/gauss.h"
 
 #define EACH_KERNEL(k) for (skf_kernel_type k = 0; k < SKF_KERNEL_COUNT; k++)
@@ -250,6 +251,23 @@ static void slivers_add_up(void **state) {
   }
 }
 
+/* Adaptive quadrature of h and its derivatives over the area shares nothing with the edge sums. */
+static void quadrature_agrees(void **state) {
+  (void)state;
+  uint64_t seed = 31;
+  EACH_KERNEL(k)
+  for (int i = 0; i < 40; i++) {
+    tri_case c = some_case(&seed, k);
+    skf_element e = {.kernel = c.kernel, .strength = 1};
+    e.primitive = (skf_primitive){.shape = SKF_TRIANGLE, .triangle = c.triangle};
+    skf_prepared p;
+    skf_prepare(&e, &p);
+    skf_value want = {0};
+    skf_quadrature(&p, c.x, 2, &want);
+    check_same(tri_eval(&c, 2), want, tri_size(&c), 1e-11, skf_kernel_get(k)->name, i);
+  }
+}
+
 static void rims(void **state) {
   (void)state;
   static const skf_kernel_type compact[] = {SKF_METABALL, SKF_SOFT_OBJECT, SKF_QUARTIC};
@@ -348,6 +366,7 @@ int main(void) {
       cmocka_unit_test(units_and_axes_are_free),
       cmocka_unit_test(slivers_match_brute_force),
       cmocka_unit_test(rims),
+      cmocka_unit_test(quadrature_agrees),
       cmocka_unit_test(slivers_add_up),
       cmocka_unit_test(singular_sets),
       cmocka_unit_test(smooth_on_the_triangle),
