@@ -3,11 +3,27 @@
    antiderivative, with terms of one sign. */
 #include "field/triangle_compact.h"
 
-skf_edge_clip skf_edge_cut(const skf_triangle_view *g, int edge, double rm) {
-  double d = g->d[edge], l1 = g->l1[edge], l2 = g->l2[edge];
+skf_disc skf_disc_at(const skf_triangle_view *g, double R) {
+  skf_disc c = {R, {0}, 0, true};
+  for (int i = 0; i < 3; i++) {
+    c.power[i] = dd3_power(R, g->a2[i]);
+    if (c.power[i] < 0) c.all = false;
+  }
+  /* rm^2 = power + (distance of the vertex from p')^2; best where that is the smaller part of r */
+  int k = g->nearest;
+  double lat2 = g->d[k] * g->d[k] + g->l1[k] * g->l1[k], z2 = g->z * g->z;
+  double rm2 = lat2 < z2 ? c.power[k] + lat2 : (R - fabs(g->z)) * (R + fabs(g->z));
+  c.rm = sqrt(fmax(rm2, 0));
+  return c;
+}
+
+skf_edge_clip skf_edge_cut(const skf_triangle_view *g, int edge, const skf_disc *disc) {
+  double d = g->d[edge], l1 = g->l1[edge], l2 = g->l2[edge], c2;
+  bool first = fabs(l1) < fabs(l2);
+  c2 = first ? disc->power[edge] + l1 * l1 : disc->power[(edge + 1) % 3] + l2 * l2;
   skf_edge_clip c = {false, 0, 0, 0, 0};
-  if (fabs(d) < rm) {
-    c.chord = sqrt((rm - fabs(d)) * (rm + fabs(d)));
+  if (c2 > 0) {
+    c.chord = sqrt(c2);
     c.b1 = fmax(l1, -c.chord);
     c.b2 = fmin(l2, c.chord);
     c.in = c.b1 < c.b2;
@@ -42,20 +58,21 @@ static terms terms_at(skf_compact_kind kind, double y, double y0) {
                  (20 + 24 * (y0 + y)) / 9};
 }
 
-typedef struct disc {
+typedef struct polynomial {
+  skf_disc disc;
   skf_compact_kind kind;
-  double R, y0, G0;
+  double y0, G0;
   skf_compact_node center;
-} disc;
+} polynomial;
 
-static void edge_inside(const disc *c, const skf_triangle_view *g, int i, const skf_edge_clip *e, skf_triangle_sum *s,
-                        double zw[2], double *F, bool sum_terms) {
+static void edge_inside(const polynomial *c, const skf_triangle_view *g, int i, const skf_edge_clip *e,
+                        skf_triangle_sum *s, double zw[2], double *F, bool sum_terms) {
   int n = c->kind == SKF_COMPACT_QUARTIC ? 3 : 4;
   const skf_gauss_node *rule = skf_gauss_rule(n);
-  double half = 0.5 * (e->b2 - e->b1), mid = 0.5 * (e->b1 + e->b2), R2 = c->R * c->R, d = g->d[i];
+  double half = 0.5 * (e->b2 - e->b1), mid = 0.5 * (e->b1 + e->b2), R = c->disc.R, R2 = R * R, d = g->d[i];
   for (int j = 0; j < n; j++) {
     double l = mid + half * rule[j].x, w = half * rule[j].w, y = (e->chord - l) * (e->chord + l) / R2;
-    skf_compact_node p = skf_compact_at(c->kind, y, 0, c->R);
+    skf_compact_node p = skf_compact_at(c->kind, y, 0, R);
     s->J[i] += w * p.h;
     s->K[i] += w * p.g;
     if (!sum_terms) continue;
@@ -67,15 +84,15 @@ static void edge_inside(const disc *c, const skf_triangle_view *g, int i, const 
 }
 
 /* G-form, for p' far outside in terms of rm: only the part of the support's rim that is seen counts. */
-static void edge_beyond(const disc *c, const skf_triangle_view *g, int i, const skf_edge_clip *e, double zw[2],
+static void edge_beyond(const polynomial *c, const skf_triangle_view *g, int i, const skf_edge_clip *e, double zw[2],
                         double *F) {
-  double l[SKF_PANEL_NODES], w[SKF_PANEL_NODES], R2 = c->R * c->R, d = g->d[i];
+  double l[SKF_PANEL_NODES], w[SKF_PANEL_NODES], R = c->disc.R, R2 = R * R, d = g->d[i];
   skf_panels p = skf_panels_over(e->b1, e->b2, skf_panel_scale(d, e->b1, e->b2));
   for (int k = 0; k < p.count; k++) {
     skf_panel_nodes(&p, k, l, w);
     for (int j = 0; j < SKF_PANEL_NODES; j++) {
       double y = (e->chord - l[j]) * (e->chord + l[j]) / R2, q = d * w[j] / (d * d + l[j] * l[j]);
-      skf_compact_node n = skf_compact_at(c->kind, y, 0, c->R);
+      skf_compact_node n = skf_compact_at(c->kind, y, 0, R);
       *F -= q * R2 * terms_at(c->kind, y, c->y0).G;
       zw[0] += q * n.h;
       zw[1] += q * n.g;
@@ -84,19 +101,18 @@ static void edge_beyond(const disc *c, const skf_triangle_view *g, int i, const 
 }
 
 /* Rise of h along the edge, 0 beyond the support. */
-static double jump(const disc *c, const skf_triangle_view *g, int i) {
-  double R = c->R, r1 = g->r[i], r2 = g->r[(i + 1) % 3], y1 = (R - r1) * (R + r1) / (R * R);
-  double y2 = (R - r2) * (R + r2) / (R * R), dy = -(g->l2[i] - g->l1[i]) * (g->l1[i] + g->l2[i]) / (R * R);
+static double jump(const polynomial *c, const skf_triangle_view *g, int i) {
+  double R = c->disc.R, y1 = c->disc.power[i] / (R * R), y2 = c->disc.power[(i + 1) % 3] / (R * R),
+         dy = -(g->l2[i] - g->l1[i]) * (g->l1[i] + g->l2[i]) / (R * R);
   if (y1 <= 0) return y2 <= 0 ? 0 : skf_compact_at(c->kind, y2, 0, R).h;
   if (y2 <= 0) return -skf_compact_at(c->kind, y1, 0, R).h;
   if (c->kind == SKF_COMPACT_QUARTIC) return dy * (y1 + y2);
   return dy * (5 * (y1 + y2) + 4 * (y1 * y1 + y1 * y2 + y2 * y2)) / 9;
 }
 
-static void edges(const disc *c, const skf_triangle_view *g, bool beyond, int order, skf_triangle_sum *s) {
-  double rm = sqrt((c->R - fabs(g->z)) * (c->R + fabs(g->z)));
+static void edges(const polynomial *c, const skf_triangle_view *g, bool beyond, int order, skf_triangle_sum *s) {
   for (int i = 0; i < 3; i++) {
-    skf_edge_clip e = skf_edge_cut(g, i, rm);
+    skf_edge_clip e = skf_edge_cut(g, i, &c->disc);
     double F = 0, zw[2] = {0, 0};
     if (e.in) edge_inside(c, g, i, &e, s, zw, &F, !beyond);
     if (e.in && beyond) edge_beyond(c, g, i, &e, zw, &F);
@@ -114,52 +130,53 @@ static void edges(const disc *c, const skf_triangle_view *g, bool beyond, int or
   }
 }
 
-/* The triangle is within the support: the integrand is a polynomial and a cubature exact. y is taken from the nearest
-   vertex in double-double, so that it stays accurate at the rim. */
-static void cubature(skf_compact_kind kind, double R, const skf_triangle_view *g, int order, skf_value *v) {
-  int n = kind == SKF_COMPACT_QUARTIC ? 3 : 4, k = g->nearest;
+void skf_compact_cubature(skf_compact_kind kind, const skf_disc *disc, const skf_triangle_view *g, int n, int order,
+                          skf_value *v) {
   const skf_gauss_node *rule = skf_gauss_rule(n);
+  int k = g->nearest;
   skf_vec3 a = g->a[k], e1 = dd3_round(g->T->e[k]), e2 = dd3_round(g->T->e[(k + 2) % 3]);
-  double R2 = R * R, yk = dd_sub(dd_two_prod(R, R), dd3_dot(g->a2[k], g->a2[k])).hi / R2;
+  double R = disc->R, R2 = R * R;
   for (int i = 0; i < n; i++) {
     double xi = 0.5 * (1 + rule[i].x), wi = 0.5 * g->T->area * rule[i].w * xi;
     for (int j = 0; j < n; j++) {
       double eta = 0.5 * (1 + rule[j].x);
-      skf_vec3 D = v3_sub(v3_scale(xi * (1 - eta), e1), v3_scale(xi * eta, e2));
-      skf_compact_node p = skf_compact_at(kind, yk - v3_dot(v3_mad(D, 2, a), D) / R2, 0, R);
-      skf_quad_add(v, wi * rule[j].w, (double[]){p.h, 0.5 * p.g, 0.25 * p.k, 0}, v3_add(a, D), order);
+      skf_vec3 D = v3_sub(v3_scale(xi * (1 - eta), e1), v3_scale(xi * eta, e2)), X = v3_add(a, D);
+      double y = (disc->power[k] - v3_dot(v3_mad(D, 2, a), D)) / R2;
+      skf_compact_node p = skf_compact_at(kind, y, kind == SKF_COMPACT_CONE ? v3_norm(X) : 0, R);
+      skf_quad_add(v, wi * rule[j].w, (double[]){p.h, 0.5 * p.g, 0.25 * p.k, 0}, X, order);
     }
   }
 }
 
-static void polynomial(skf_compact_kind kind, const skf_prepared *prepared, skf_vec3 x, int order, skf_value *v) {
+static void field(skf_compact_kind kind, const skf_prepared *prepared, skf_vec3 x, int order, skf_value *v) {
   double R = prepared->kernel.param;
   skf_triangle_view g;
   skf_triangle_face(&prepared->plan.triangle, x, &g);
   if (g.dist > R * (1 + 1e-12)) return; /* clear of the support in plain arithmetic too */
   skf_triangle_look(&g);
   if (g.dist >= R) return;
-  if (g.reach <= R) {
-    cubature(kind, R, &g, order, v);
+  polynomial c = {.kind = kind, .disc = skf_disc_at(&g, R)};
+  if (c.disc.all) { /* the integrand is a polynomial and the cubature exact */
+    skf_compact_cubature(kind, &c.disc, &g, kind == SKF_COMPACT_QUARTIC ? 3 : 4, order, v);
     return;
   }
-  double rm = sqrt((R - fabs(g.z)) * (R + fabs(g.z))), y0 = rm * rm / (R * R);
-  disc c = {kind, R, y0, R * R * terms_at(kind, y0, 0).G, skf_compact_at(kind, y0, 0, R)};
+  double rm = c.disc.rm, y0 = rm * rm / (R * R);
+  c = (polynomial){c.disc, kind, y0, R * R * terms_at(kind, y0, 0).G, skf_compact_at(kind, y0, 0, R)};
   skf_triangle_sum s = {0};
   edges(&c, &g, !g.inside && g.lat > 0.5 * rm, order, &s);
   skf_triangle_cond cond = skf_triangle_assemble(&g, &s, order, v);
   bool keep = fmax(cond.F, 0.1 * cond.g) <= SKF_COMPACT_COND;
   if (keep && cond.h <= SKF_TRIANGLE_COND_HESSIAN) return;
   skf_value slabs = {0};
-  skf_compact_slabs(kind, R, &g, order, &slabs);
+  skf_compact_slabs(kind, &c.disc, &g, order, &slabs);
   if (keep) slabs.F = v->F, slabs.g = v->g; /* the same F and gradient with and without the Hessian */
   *v = slabs;
 }
 
 void skf_triangle_quartic(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
-  polynomial(SKF_COMPACT_QUARTIC, e, x, order, v);
+  field(SKF_COMPACT_QUARTIC, e, x, order, v);
 }
 
 void skf_triangle_soft_object(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
-  polynomial(SKF_COMPACT_SOFT, e, x, order, v);
+  field(SKF_COMPACT_SOFT, e, x, order, v);
 }

@@ -9,6 +9,16 @@
 
 typedef enum skf_compact_kind { SKF_COMPACT_QUARTIC, SKF_COMPACT_SOFT, SKF_COMPACT_CONE } skf_compact_kind;
 
+/* R^2 - |a_k|^2 by vertex, right to its last digit: from there the rim is found to the rounding of the triangle's size,
+   not of R. */
+typedef struct skf_disc {
+  double R, power[3], rm;
+  bool all; /* the triangle is within the support */
+} skf_disc;
+
+/* Needs |z| < R. */
+skf_disc skf_disc_at(const skf_triangle_view *g, double R);
+
 /* An edge's part in the disc: abscissae b1 < b2 of its ends when `in`, half the chord of its line. */
 typedef struct skf_edge_clip {
   bool in;
@@ -16,7 +26,7 @@ typedef struct skf_edge_clip {
   double out; /* angle of the rest */
 } skf_edge_clip;
 
-skf_edge_clip skf_edge_cut(const skf_triangle_view *g, int edge, double rm);
+skf_edge_clip skf_edge_cut(const skf_triangle_view *g, int edge, const skf_disc *disc);
 
 /* A node: h, h'/r and (h'/r)'/r for y = 1 - r^2 / R^2 in (0, 1]; only the cone looks at r. */
 typedef struct skf_compact_node {
@@ -25,8 +35,14 @@ typedef struct skf_compact_node {
 
 skf_compact_node skf_compact_at(skf_compact_kind kind, double y, double r, double R);
 
+/* n x n conical product rule over a triangle within the support. y is taken from the nearest vertex, so that it stays
+   accurate at the rim. */
+void skf_compact_cubature(skf_compact_kind kind, const skf_disc *disc, const skf_triangle_view *g, int n, int order,
+                          skf_value *v);
+
 /* Slices parallel to the longest edge: a sum of positive terms. */
-void skf_compact_slabs(skf_compact_kind kind, double R, const skf_triangle_view *g, int order, skf_value *v);
+void skf_compact_slabs(skf_compact_kind kind, const skf_disc *disc, const skf_triangle_view *g, int order,
+                       skf_value *v);
 
 /* The gradient's part along m[longest] of the cone (1 - r/R)^2, next to a thin triangle: an integral of the difference
    of h across it. */

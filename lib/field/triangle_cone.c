@@ -3,15 +3,6 @@
    Units below: w = |z| / R, u = r / R, a = 1 - u, b = 1 - w; G0 = R^2 b^3 (4 - 3 b) / 12. */
 #include "field/triangle_compact.h"
 
-static void cone_eval(double R, double w, double d[4]) {
-  double r = sqrt(w), a = 1 - r / R;
-  d[0] = d[1] = d[2] = d[3] = 0;
-  if (a <= 0) return;
-  d[0] = a * a;
-  d[1] = -a / (R * r);
-  d[2] = 0.5 / (R * r * w);
-}
-
 /* What an edge's part in the disc gives: F, W = dF/dz / z, and z^2 int (h'/r)'/r dA. */
 typedef struct part {
   double F, W, V;
@@ -31,9 +22,10 @@ static part closed_part(const skf_triangle_view *g, double R, int i, const skf_e
   return p;
 }
 
-static part panel_part(const skf_triangle_view *g, double R, int i, const skf_edge_clip *e, bool beyond,
+static part panel_part(const skf_triangle_view *g, const skf_disc *disc, int i, const skf_edge_clip *e, bool beyond,
                        skf_triangle_sum *s) {
-  double d = g->d[i], z = g->z, c = hypot(d, z), w0 = fabs(z) / R, b = (R - fabs(z)) / R, R2 = R * R;
+  double d = g->d[i], z = g->z, c = hypot(d, z), R = disc->R, w0 = fabs(z) / R, R2 = R * R;
+  double b = disc->rm * disc->rm / (R * (R + fabs(z)));
   double l[SKF_PANEL_NODES], w[SKF_PANEL_NODES], near = 1e-3 * skf_edge_nearest(e->b1, e->b2);
   double delta = beyond ? skf_panel_scale(d, e->b1, e->b2) : fmax(fmax(c, near), 1e-12 * (e->b2 - e->b1));
   skf_panels p = skf_panels_over(e->b1, e->b2, delta);
@@ -62,21 +54,23 @@ static part panel_part(const skf_triangle_view *g, double R, int i, const skf_ed
   return sum;
 }
 
-static double jump(const skf_triangle_view *g, double R, int i) {
-  double r1 = g->r[i], r2 = g->r[(i + 1) % 3], a1 = fmax(1 - r1 / R, 0), a2 = fmax(1 - r2 / R, 0);
+static double jump(const skf_triangle_view *g, const skf_disc *c, int i) {
+  double R = c->R, r1 = g->r[i], r2 = g->r[(i + 1) % 3], a1 = fmax(c->power[i], 0) / (R * (R + r1));
+  double a2 = fmax(c->power[(i + 1) % 3], 0) / (R * (R + r2));
   if (a1 == 0 || a2 == 0) return a2 * a2 - a1 * a1;
   return -(g->l2[i] - g->l1[i]) * (g->l1[i] + g->l2[i]) / ((r1 + r2) * R) * (a1 + a2);
 }
 
 /* `rim`: the disc is a small cap, or is seen from far beyond itself. */
-static void edges(const skf_triangle_view *g, double R, double rm, bool beyond, bool rim, int order,
+static void edges(const skf_triangle_view *g, const skf_disc *disc, bool beyond, bool rim, int order,
                   skf_triangle_sum *s) {
-  double b = (R - fabs(g->z)) / R, G0 = R * R / 12 * b * b * b * (4 - 3 * b), w0 = fabs(g->z) / R;
+  double R = disc->R, b = disc->rm * disc->rm / (R * (R + fabs(g->z))), G0 = R * R / 12 * b * b * b * (4 - 3 * b),
+         w0 = fabs(g->z) / R;
   for (int i = 0; i < 3; i++) {
-    skf_edge_clip e = skf_edge_cut(g, i, rm);
+    skf_edge_clip e = skf_edge_cut(g, i, disc);
     part p = {0, 0, 0};
     bool on_edge = g->d[i] == 0 && g->z == 0 && skf_edge_nearest(e.b1, e.b2) == 0;
-    if (e.in) p = rim || on_edge ? panel_part(g, R, i, &e, beyond, s) : closed_part(g, R, i, &e, s);
+    if (e.in) p = rim || on_edge ? panel_part(g, disc, i, &e, beyond, s) : closed_part(g, R, i, &e, s);
     if (!beyond) {
       p.F += G0 * e.out;
       p.W -= b * b * e.out;
@@ -87,7 +81,7 @@ static void edges(const skf_triangle_view *g, double R, double rm, bool beyond, 
     if (order < 2) continue;
     skf_sum_zz(s, p.W);
     skf_sum_zz(s, p.V);
-    s->jump[i] = jump(g, R, i);
+    s->jump[i] = jump(g, disc, i);
   }
 }
 
@@ -106,14 +100,14 @@ static void cone(const skf_triangle_plan *T, skf_vec3 x, double R, int order, sk
   if (g.dist > R * (1 + 1e-12)) return; /* clear of the support in plain arithmetic too */
   skf_triangle_look(&g);
   if (g.dist >= R) return;
-  if (g.reach <= R && g.dist >= 1.5 * T->diam) {
-    skf_quad_conical(cone_eval, R, g.a, T->area, skf_quad_order(g.dist, T->diam), order, v);
+  skf_disc disc = skf_disc_at(&g, R);
+  if (disc.all && g.dist >= 1.5 * T->diam) {
+    skf_compact_cubature(SKF_COMPACT_CONE, &disc, &g, skf_quad_order(g.dist, T->diam), order, v);
     return;
   }
-  double rm = sqrt((R - fabs(g.z)) * (R + fabs(g.z)));
-  bool beyond = !g.inside && g.lat > 0.5 * rm, rim = beyond || 2 * fabs(g.z) > R;
+  bool beyond = !g.inside && g.lat > 0.5 * disc.rm, rim = beyond || 2 * fabs(g.z) > R;
   skf_triangle_sum s = {0};
-  edges(&g, R, rm, beyond, rim, order, &s);
+  edges(&g, &disc, beyond, rim, order, &s);
   skf_triangle_cond c = skf_triangle_assemble(&g, &s, order, v);
   double limit = rim ? SKF_COMPACT_COND : SKF_TRIANGLE_COND;
   bool keep = c.F <= limit;
@@ -123,7 +117,7 @@ static void cone(const skf_triangle_plan *T, skf_vec3 x, double R, int order, sk
     if (c.h <= SKF_TRIANGLE_COND_HESSIAN || g.dist < 0.1 * g.T->twice / g.T->diam) return;
   }
   skf_value slabs = {0};
-  skf_compact_slabs(SKF_COMPACT_CONE, R, &g, order, &slabs);
+  skf_compact_slabs(SKF_COMPACT_CONE, &disc, &g, order, &slabs);
   if (keep) slabs.F = v->F, slabs.g = v->g; /* the same F and gradient with and without the Hessian */
   *v = slabs;
 }
