@@ -17,10 +17,16 @@ skf_disc skf_disc_at(const skf_triangle_view *g, double R) {
   return c;
 }
 
-skf_edge_clip skf_edge_cut(const skf_triangle_view *g, int edge, const skf_disc *disc) {
-  double d = g->d[edge], l1 = g->l1[edge], l2 = g->l2[edge], c2;
+double skf_disc_chord2(const skf_disc *disc, const skf_triangle_view *g, int edge) {
+  double d = fabs(g->d[edge]), l1 = g->l1[edge], l2 = g->l2[edge];
   bool first = fabs(l1) < fabs(l2);
-  c2 = first ? disc->power[edge] + l1 * l1 : disc->power[(edge + 1) % 3] + l2 * l2;
+  double l = first ? l1 : l2;
+  if (fabs(l) > disc->R) return (disc->rm - d) * (disc->rm + d);
+  return disc->power[first ? edge : (edge + 1) % 3] + l * l;
+}
+
+skf_edge_clip skf_edge_cut(const skf_triangle_view *g, int edge, const skf_disc *disc) {
+  double d = g->d[edge], l1 = g->l1[edge], l2 = g->l2[edge], c2 = skf_disc_chord2(disc, g, edge);
   skf_edge_clip c = {false, 0, 0, 0, 0};
   if (c2 > 0) {
     c.chord = sqrt(c2);

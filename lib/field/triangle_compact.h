@@ -9,8 +9,8 @@
 
 typedef enum skf_compact_kind { SKF_COMPACT_QUARTIC, SKF_COMPACT_SOFT, SKF_COMPACT_CONE } skf_compact_kind;
 
-/* R^2 - |a_k|^2 by vertex, right to its last digit: from there the rim is found to the rounding of the triangle's size,
-   not of R. */
+/* R^2 - |a_k|^2 by vertex, right to its last digit: from there the rim is found to the rounding of the triangle's size
+   where that is smaller than R. */
 typedef struct skf_disc {
   double R, power[3], rm;
   bool all; /* the triangle is within the support */
@@ -18,6 +18,9 @@ typedef struct skf_disc {
 
 /* Needs |z| < R. */
 skf_disc skf_disc_at(const skf_triangle_view *g, double R);
+
+/* Square of half the chord that the disc cuts from an edge's line; negative when it misses. */
+double skf_disc_chord2(const skf_disc *disc, const skf_triangle_view *g, int edge);
 
 /* An edge's part in the disc: abscissae b1 < b2 of its ends when `in`, half the chord of its line. */
 typedef struct skf_edge_clip {

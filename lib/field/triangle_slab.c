@@ -197,9 +197,7 @@ void skf_compact_slabs(skf_compact_kind kind, const skf_disc *disc, const skf_tr
   int i = T->longest;
   double z = g->z, d = g->d[i], height = T->twice / T->diam;
   moments m = {0};
-  bool first = fabs(g->l1[i]) < fabs(g->l2[i]);
-  double l = first ? g->l1[i] : g->l2[i], base2 = disc->power[first ? i : (i + 1) % 3] + l * l,
-         apex = skf_triangle_apex(g);
+  double base2 = skf_disc_chord2(disc, g, i), apex = skf_triangle_apex(g);
   slab s = {.kind = kind, .R = disc->R, .z = z, .d = d, .H = height, .x1 = g->l1[i], .L = T->diam, .apex = apex};
   /* the roots of base2 + 2 d eta - eta^2 */
   double far = d + copysign(disc->rm, d), near = -base2 / far;

@@ -115,6 +115,11 @@ def cases():
             k = {"cauchy": rng.choice((.4, 2.5, 20)), "gaussian": rng.choice((.4, 1.5, 4)), "inverse": 1,
                  "inverse-squared": 1}.get(kernel, reach(A, B, C, p) + rng.choice((.2, .5, 1.5)))
             yield kind, kernel, k, [A, B, C], [float(x) for x in p]
+        if kernel in ("metaball", "soft-object", "quartic"):  # the rim of a large support through the triangle
+            A, B, C = [.125, 0, .25], [1.125, .25, .125], [.375, .875, .5]
+            for k, far, way in ((500, 499.75, (.36, .48, .8)), (2e4, 19999.6, (.6, -.8, 0)), (50, 49.5, (0, .28, -.96))):
+                q = [.5 * a + .2 * b + .3 * c for a, b, c in zip(A, B, C)]
+                yield "rim", kernel, k, [A, B, C], [float(x + far * w) for x, w in zip(q, way)]
 
 
 def main():
