@@ -158,6 +158,7 @@ skf_status skf_number_read(const char *text, size_t *used, double *out) {
 }
 
 static size_t to_library(char *text, double x) { /* zero, ties between two decimals, and what is not finite */
+  if (isnan(x)) x = (double)NAN;                 /* never "-nan" */
   locale_t old, c = enter_c(&old);
   int n = snprintf(text, SKF_NUMBER_SIZE, "%.17g", x);
   leave_c(c, old);

@@ -13,7 +13,7 @@ enum { SKF_NUMBER_SIZE = 32 };
    number, such as NUL. */
 skf_status skf_number_read(const char *text, size_t *used, double *out);
 
-/* Writes x as printf's "%.17g" does in the C locale, with NUL; returns the length. */
+/* Writes x as printf's "%.17g" does in the C locale, with NUL, and "nan" whatever its sign; returns the length. */
 size_t skf_number_write(char text[SKF_NUMBER_SIZE], double x);
 
 #endif

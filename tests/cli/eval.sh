@@ -46,6 +46,23 @@ run eval two.yaml many.csv --threads 3 --output three.csv
 expect_same "threads change nothing" one.csv three.csv
 expect_close "every row is there" "$(rows three.csv)" 40000 0
 
+printf 'x,y,z\n' >none.csv
+run eval two.yaml none.csv
+expect_status "no points" 0
+expect_close "give no rows" "$(rows)" 0 0
+
+# A bar on a terminal only.
+expect_no_err "no bar elsewhere"
+if command -v script >/dev/null; then
+  awk -v OFS=, 'BEGIN { print "x,y,z"; for (i = 0; i < 400000; i++) print i, 1, 2 }' >more.csv
+  awk 'BEGIN { print "skelfield: 1\nbodies:\n  - name: a\n    iso: 1\n    kernel: {type: cauchy, s: 1}\n    skeleton:";
+    for (i = 0; i < 20; i++) print "      - arc: {center: [" i ", 0, 0], normal: [0, 1, 1], start: [1, 0, 0], radius: 1, sweep: 90}" }' >arcs.yaml
+  script -qec "'$SKF_PROGRAM' eval arcs.yaml more.csv -o more.out" /dev/null >"$kept/out" 2>&1 </dev/null
+  ran="eval on a terminal"
+  expect_out "a bar on a terminal" 'eval \[#*\.*\] +[0-9]+%, [0-9:]+ left'
+  rm more.csv more.out
+fi
+
 # Tables that are refused.
 table() { # name, line, regular expression; the table is on stdin
   write bad.csv

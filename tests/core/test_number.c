@@ -55,6 +55,13 @@ static void random_bits_round_trip(void **state) {
   for (size_t i = 0; i < sizeof special / sizeof *special; i++) check_number(special[i]);
 }
 
+static void nan_has_no_sign(void **state) {
+  (void)state;
+  char text[SKF_NUMBER_SIZE];
+  assert_int_equal(skf_number_write(text, copysign(NAN, -1)), 3);
+  assert_string_equal(text, "nan");
+}
+
 static void decimals_read_as_strtod_reads_them(void **state) {
   (void)state;
   char text[64];
@@ -123,6 +130,7 @@ static void forms(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(random_bits_round_trip),
+      cmocka_unit_test(nan_has_no_sign),
       cmocka_unit_test(decimals_read_as_strtod_reads_them),
       cmocka_unit_test(forms),
   };
