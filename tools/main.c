@@ -13,9 +13,12 @@ const cli_command *const cli_commands[] = {
     /* fields */
     &cmd_eval,
     /* rays */
+    &cmd_trace,
     /* motion */
     /* pictures */
+    &cmd_map,
     /* surfaces */
+    &cmd_mesh,
     /* scenes */
     &cmd_info,
     NULL,

@@ -160,4 +160,10 @@ const skf_kernel_ops skf_kernel_inverse = {
     .closed[SKF_ARC] = arc,
     .closed[SKF_TRIANGLE] = skf_triangle_inverse,
     .closed[SKF_PLANE] = plane,
+    .singular[SKF_POINT] = "the point itself: F = +infinity, gradient 0",
+    .singular[SKF_SEGMENT] = "the segment with its ends: F = +infinity, gradient 0",
+    .singular[SKF_ARC] = "the arc with its ends: F = +infinity, gradient 0",
+    .singular[SKF_TRIANGLE] = "on it F is finite and the gradient jumps across: the mean; on an edge the gradient is "
+                              "infinite and the edge's own term is left out",
+    .singular[SKF_PLANE] = "on it the gradient jumps: F = 0 and the mean gradient, 0",
 };

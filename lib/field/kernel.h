@@ -42,7 +42,8 @@ typedef struct skf_kernel_ops {
   skf_kernel_info info;
   /* h and its first three derivatives with respect to w = r^2; d = 0 beyond a compact support */
   void (*eval)(double param, double w, double d[4]);
-  skf_closed closed[SKF_SHAPE_COUNT]; /* NULL: quadrature */
+  skf_closed closed[SKF_SHAPE_COUNT];    /* NULL: quadrature */
+  const char *singular[SKF_SHAPE_COUNT]; /* where F is infinite or the gradient jumps, and what is returned */
 } skf_kernel_ops;
 
 extern const skf_kernel_ops skf_kernel_cauchy, skf_kernel_gaussian, skf_kernel_inverse, skf_kernel_inverse_squared,

@@ -36,9 +36,7 @@ void skf_element_value(const skf_prepared *e, skf_vec3 x, int order, skf_value *
 
 skf_pair_info skf_pair_get(skf_kernel_type kernel, skf_shape shape) {
   const skf_kernel_ops *row = skf_kernel_row(kernel);
-  skf_pair_info info = {false, 0, NULL};
-  if (!row || (unsigned)shape >= SKF_SHAPE_COUNT) return info;
-  info.closed = row->closed[shape] != NULL;
-  info.error = info.closed ? 1e-12 : 1e-10;
-  return info;
+  if (!row || (unsigned)shape >= SKF_SHAPE_COUNT) return (skf_pair_info){false, 0, NULL};
+  bool closed = row->closed[shape] != NULL;
+  return (skf_pair_info){closed, closed ? 1e-12 : 1e-10, row->singular[shape]};
 }

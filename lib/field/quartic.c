@@ -1,19 +1,33 @@
 /* SPDX-License-Identifier: MIT */
-#include "field/kernel.h"
+#include "field/polynomial.h"
 #include "field/triangle.h"
 
-static void eval(double s, double w, double d[4]) {
-  double R2 = s * s, m = (R2 - w) / R2;
-  d[0] = d[1] = d[2] = d[3] = 0;
-  if (m <= 0) return;
-  d[0] = m * m;
-  d[1] = -2 * m / R2;
-  d[2] = 2 / (R2 * R2);
+/* m^2 */
+static const skf_polynomial law = {1, 0};
+
+static void eval(double R, double w, double d[4]) { skf_polynomial_eval(law, R, R * R - w, d); }
+
+static void point(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
+  skf_polynomial_point(law, e, x, order, v);
+}
+
+static void segment(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
+  skf_polynomial_segment(law, e, x, order, v);
+}
+
+static void arc(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) { skf_polynomial_arc(law, e, x, order, v); }
+
+static void plane(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
+  skf_polynomial_plane(law, e, x, order, v);
 }
 
 const skf_kernel_ops skf_kernel_quartic = {
     .info = {"quartic", "(1 - r^2/R^2)^2 (r <= R), 0", "finite support, polynomial in r^2", "R", "L",
              "radius of its support", true, false},
     .eval = eval,
+    .closed[SKF_POINT] = point,
+    .closed[SKF_SEGMENT] = segment,
+    .closed[SKF_ARC] = arc,
     .closed[SKF_TRIANGLE] = skf_triangle_quartic,
+    .closed[SKF_PLANE] = plane,
 };

@@ -1,20 +1,33 @@
 /* SPDX-License-Identifier: MIT */
-#include "field/kernel.h"
+#include "field/polynomial.h"
 #include "field/triangle.h"
 
-static void eval(double s, double w, double d[4]) {
-  double R2 = s * s, m = (R2 - w) / R2;
-  d[0] = d[1] = d[2] = d[3] = 0;
-  if (m <= 0) return;
-  d[0] = m * m * (5 + 4 * m) / 9;
-  d[1] = -m * (10 + 12 * m) / (9 * R2);
-  d[2] = (10 + 24 * m) / (9 * R2 * R2);
-  d[3] = -24 / (9 * R2 * R2 * R2);
+/* m^2 (5 + 4 m) / 9; the cubic in r^2 as usually written cancels near the rim */
+static const skf_polynomial law = {5. / 9, 4. / 9};
+
+static void eval(double R, double w, double d[4]) { skf_polynomial_eval(law, R, R * R - w, d); }
+
+static void point(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
+  skf_polynomial_point(law, e, x, order, v);
+}
+
+static void segment(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
+  skf_polynomial_segment(law, e, x, order, v);
+}
+
+static void arc(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) { skf_polynomial_arc(law, e, x, order, v); }
+
+static void plane(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
+  skf_polynomial_plane(law, e, x, order, v);
 }
 
 const skf_kernel_ops skf_kernel_soft_object = {
     .info = {"soft-object", "1 - 22/9 u^2 + 17/9 u^4 - 4/9 u^6, u = r/R (r <= R), 0",
              "finite support, polynomial in r^2", "R", "L", "radius of its support", true, false},
     .eval = eval,
+    .closed[SKF_POINT] = point,
+    .closed[SKF_SEGMENT] = segment,
+    .closed[SKF_ARC] = arc,
     .closed[SKF_TRIANGLE] = skf_triangle_soft_object,
+    .closed[SKF_PLANE] = plane,
 };

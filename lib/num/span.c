@@ -9,14 +9,15 @@ static double horner(const double *c, int n, double y) {
 }
 
 /* Taylor coefficients of the three gaps; the series carry one ulp up to the switch. */
-double skf_sine_gap3(double x) {
+static double series3(double y) {
   static const double c[] = {1 / 6.,        -1 / 120.,        1 / 5040.,          -1 / 362880.,
                              1 / 39916800., -1 / 6227020800., 1 / 1307674368000., -1 / 355687428096000.};
-  if (x > 1) return x - sin(x);
-  return x * x * x * horner(c, 8, x * x);
+  return horner(c, 8, y);
 }
 
-double skf_sine_gap5(double x) {
+double skf_sine_gap3(double x) { return x > 1 ? x - sin(x) : x * x * x * series3(x * x); }
+
+static double series5(double y) {
   static const double c[] = {0.1,
                              -60 / 5040.,
                              252 / 362880.,
@@ -30,9 +31,12 @@ double skf_sine_gap5(double x) {
                              16777212 / 1.5511210043330986e25,
                              -67108860 / 1.0888869450418352e28,
                              268435452 / 8.841761993739702e30};
-  if (x > 1.5) return 3 * x - 4 * sin(x) + 0.5 * sin(2 * x);
+  return horner(c, 13, y);
+}
+
+double skf_sine_gap5(double x) {
   double y = x * x;
-  return x * y * y * horner(c, 13, y);
+  return x > 1.5 ? 3 * x - 4 * sin(x) + 0.5 * sin(2 * x) : x * y * y * series5(y);
 }
 
 double skf_sine_gap7(double x) {
@@ -97,4 +101,21 @@ void skf_span_mixed6(const skf_span *a, double *c4s2, double *c2s4) {
   double difference = q * (3 * p * p + q * q) / 12;
   *c4s2 = 0.5 * (sum + difference);
   *c2s4 = 0.5 * (sum - difference);
+}
+
+static double unsine(const skf_span *a) { return a->delta > 0 ? a->delta / a->sin_delta : 1; }
+
+double skf_span_gap3(const skf_span *a) {
+  double q = unsine(a);
+  return q * q * q * series3(a->delta * a->delta);
+}
+
+double skf_span_double_gap3(const skf_span *a) {
+  double q = unsine(a);
+  return 8 * q * q * q * series3(4 * a->delta * a->delta);
+}
+
+double skf_span_gap5(const skf_span *a) {
+  double q = unsine(a);
+  return q * q * q * q * q * series5(a->delta * a->delta);
 }

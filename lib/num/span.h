@@ -35,4 +35,9 @@ double skf_sine_gap3(double x);
 double skf_sine_gap5(double x);
 double skf_sine_gap7(double x);
 
+/* gap3(delta) / sin^3 delta, gap3(2 delta) / sin^3 delta and gap5(delta) / sin^5 delta for delta <= 1/2, 0 too */
+double skf_span_gap3(const skf_span *a);
+double skf_span_double_gap3(const skf_span *a);
+double skf_span_gap5(const skf_span *a);
+
 #endif

@@ -9,19 +9,23 @@
 
 enum { PER_OCTAVE = 8 };
 
-/* Below: nearest point of the primitive at d; the measure within a length s of it is at least mu (s / size)^power. */
+/* The nearest point of the primitive is at most d away; the measure within a length s of that point is at least
+   mu (s / size)^power: one way along a segment, both ways around a circle, a triangle shrunk towards the point. */
 static double infimum(const skf_source *s, double d) {
   skf_shape shape = s->element.primitive.shape;
-  double power = shape == SKF_POINT ? 0 : shape == SKF_TRIANGLE ? 2 : 1, sum = 0, part[4];
-  double size = shape == SKF_TRIANGLE ? 2 * s->reach : s->measure, from = 0;
-  if (shape == SKF_POINT) size = 0;
-  for (int k = 16; k >= 0; k--) { /* lambda = 0, 2^-8, ..., 2^-1/2, 1 */
-    double to = exp2(-0.5 * k);
-    skf_kernel_eval(s->element.kernel, (d + to * size) * (d + to * size), part);
-    sum += (pow(to, power) - (from > 0 ? pow(from, power) : 0)) * part[0];
-    if (shape == SKF_POINT) return s->measure * part[0] * (1 - 1e-12);
-    from = to;
+  double size = shape == SKF_TRIANGLE ? 2 * s->reach : s->whole ? 0.5 * s->measure : s->measure, sum = 0, part[4];
+  if (shape == SKF_POINT) {
+    skf_kernel_eval(s->element.kernel, d * d, part);
+    return part[0] * (1 - 1e-12);
   }
+  double outer = 1, inner; /* lengths from the point, in units of size, downwards by half octaves */
+  do {
+    inner = outer * size > 0.1 * d && outer > 1e-18 ? 0.70710678118654752 * outer : 0;
+    double r = d + outer * size;
+    skf_kernel_eval(s->element.kernel, r * r, part);
+    sum += (shape == SKF_TRIANGLE ? outer * outer - inner * inner : outer - inner) * part[0];
+    outer = inner;
+  } while (outer > 0);
   return s->measure * sum * (1 - 1e-12);
 }
 
@@ -56,6 +60,8 @@ static void frame(skf_source *s) {
     s->length = p->arc.radius;
     s->cosine = cos(half);
     s->whole = p->arc.sweep >= 2 * SKF_PI;
+  } else if (p->shape == SKF_TRIANGLE) {
+    s->disc = s->element.kernel.type == SKF_INVERSE_SQUARED;
   } else if (p->shape == SKF_PLANE) {
     s->a = p->plane.through;
     s->b = v3_unit(p->plane.normal);
@@ -100,6 +106,17 @@ double skf_source_distance(const skf_source *s, skf_vec3 x) {
   }
 }
 
+double skf_source_disc(const skf_source *s, skf_vec3 x, double radius) {
+  const skf_vec3 *v = s->element.primitive.triangle.vertices;
+  skf_vec3 n = v3_unit(v3_cross(v3_sub(v[1], v[0]), v3_sub(v[2], v[0])));
+  double z = fabs(v3_dot(v3_sub(x, v[0]), n)) + radius, rho = INFINITY;
+  for (int i = 0; i < 3; i++) {
+    skf_vec3 inward = v3_unit(v3_cross(n, v3_sub(v[(i + 1) % 3], v[i])));
+    rho = fmin(rho, v3_dot(v3_sub(x, v[i]), inward) - radius);
+  }
+  return rho > 0 ? SKF_PI * log1p(rho * rho / (z * z)) * (1 - 1e-12) : 0;
+}
+
 /* Grade whose distance is the largest <= d; below the table: -1, beyond: grades. */
 static long bin(const skf_source *s, double d) {
   double q = d / s->unit;
@@ -131,7 +148,7 @@ skf_grade skf_source_grade(const skf_source *s, double near, double far) {
       g.above = scaled(s->measure, skf_kernel_envelope(e->kernel, near));
     else
       g.above = k < 0 ? skf_element_reach(e, near) : s->grade[k].above;
-    g.below = m < 0 ? infimum(s, s->unit) : m < (long)s->grades ? s->grade[m].below : infimum(s, far);
+    g.below = m >= 0 && m < (long)s->grades ? s->grade[m].below : infimum(s, far);
     if (far > 1e300) g.below = 0;
   }
   double spread = shape == SKF_PLANE ? 0 : 2 * s->reach;

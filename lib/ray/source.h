@@ -21,7 +21,7 @@ typedef struct skf_source {
   /* frame of the distance: segment: from, direction, length; arc: e, f, n; plane: through, normal */
   skf_vec3 a, b, c;
   double length, cosine;
-  bool whole;
+  bool whole, disc; /* a full circle; skf_source_disc is of use */
   /* grades at unit, ... growing by eighths of octaves; none for points and planes */
   size_t grades;
   double unit;
@@ -37,5 +37,9 @@ double skf_source_distance(const skf_source *s, skf_vec3 x);
 /* Bounds at distances within [near, far] from the primitive. For planes all of `above` and `below` are signed values of
    F. `fourth` is infinite where a kink of the kernel may be met. */
 skf_grade skf_source_grade(const skf_source *s, double near, double far);
+
+/* For triangles of the inverse-squared kernel, which is infinite on them: a lower bound of the field within `radius` of
+   x, that of the disc around the foot of x inside the triangle. */
+double skf_source_disc(const skf_source *s, skf_vec3 x, double radius);
 
 #endif

@@ -40,7 +40,8 @@ void skf_walk_look(skf_walk *w, double t, skf_knot *k) {
   w->report.evaluations++;
   size += fabs(tr->iso);
   double moved = 4 * DBL_EPSILON * (largest(p) + largest(w->origin)) * v3_norm(g);
-  *k = (skf_knot){t, F - tr->iso, v3_dot(g, w->direction), size, 2 * tr->noise * size + moved, p, g, true};
+  *k = (skf_knot){t, F - tr->iso, v3_dot(g, w->direction), size, isfinite(F) ? 2 * tr->noise * size + moved : 0, p,
+                  g, true};
 }
 
 typedef struct cell {
@@ -64,6 +65,7 @@ static cell enclose(const skf_walk *w, double a, double b) {
     const skf_source *s = tr->sources + i;
     double d = skf_source_distance(s, p), x = fabs(s->weight);
     skf_grade g = skf_source_grade(s, fmax(d * (1 - 1e-12) - half - slack, 0), d * (1 + 1e-12) + half + slack);
+    if (s->disc && d < s->reach) g.below = fmax(g.below, skf_source_disc(s, p, half + slack));
     double above = s->weight * g.above.value, below = s->weight * g.below;
     c.lo += s->weight > 0 ? below : above;
     c.hi += s->weight > 0 ? above : below;

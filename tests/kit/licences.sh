@@ -1,24 +1,25 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Each source says its licence once, in its first lines: MIT in the library and the tests, GPL-3.0-or-later in the
-# program and in what includes CGAL.
+# Each source says its licence once, in its first three lines: MIT in the library, the tests and the notebooks,
+# GPL-3.0-or-later in the program and its scripts and in what includes CGAL.
 set -u
 . "$(dirname "$0")/../tap.sh"
 cd "$SKF_SOURCE_ROOT" || exit 1
 
-sources() { find "$@" -name '*.[ch]' -o -name '*.cpp' -o -name '*.sh' -o -name '*.awk' -o -name '*.py' | sort; }
-expected() {
-  if [ "${1%%/*}" = tools ] || grep -q '^#include <CGAL/' "$1"; then echo GPL-3.0-or-later; else echo MIT; fi
+# A source is a file of code by its name, or a script by its first line.
+sources() {
+  find lib tools tests notebooks-c -type f | grep -E '(\.(c|h|cpp|sh|awk|py)|/[a-z]+)$' | sort
 }
-
-wrong=0
-for file in $(sources lib tools tests); do
-  lines=$(grep -cE '^(/\*|//|#) SPDX-License-Identifier: ' "$file")
-  named=$(head -2 "$file" | sed -nE 's@^(/\*|//|#) SPDX-License-Identifier: ([^ ]*).*@\2@p')
-  if [ "$lines" != 1 ] || [ "$named" != "$(expected "$file")" ]; then
-    echo "$file: $lines SPDX lines, '$named' on top, expected one: $(expected "$file")"
-    wrong=1
-  fi
-done
-check "each source names its licence once" [ "$wrong" = 0 ]
+read_licences() {
+  awk 'function close_file() {
+      if (name == "") return
+      want = gpl ? "GPL-3.0-or-later" : "MIT"
+      if (count != 1 || found != want) { print name ": " count + 0 " SPDX lines on top, \"" found "\", expected one: " want; bad = 1 }
+    }
+    FNR == 1 { close_file(); name = FILENAME; gpl = name ~ /^tools\//; count = 0; found = "" }
+    /^(\/\*|\/\/|#) SPDX-License-Identifier: / { if (FNR <= 3) { count++; found = $3 } else count = -1 }
+    /^#include <CGAL\// { gpl = 1 }
+    END { close_file(); exit bad }' "$@"
+}
+check "each source names its licence once" read_licences $(sources)
 tap_done

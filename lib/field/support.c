@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT */
+#include "field/support.h"
+
+bool skf_segment_support(const skf_segment_frame *f, double R, skf_segment_clip *c) {
+  double t0 = f->t0, t1 = f->t1, q0 = dd3_power(R, f->d0), q1 = dd3_power(R, f->d1);
+  double T2 = q0 > 0 ? q0 + t0 * t0 : q1 > 0 ? q1 + t1 * t1 : (R - f->h) * (R + f->h);
+  c->q0 = q0, c->q1 = q1;
+  if (T2 <= 0 || (q0 <= 0 && t0 >= 0) || (q1 <= 0 && t1 <= 0)) return false;
+  double T = c->T = sqrt(T2);
+  bool in0 = q0 > 0, in1 = q1 > 0;
+  c->lo = in0 ? t0 : -T, c->hi = in1 ? t1 : T;
+  c->r_lo = in0 ? f->r0 : R, c->r_hi = in1 ? f->r1 : R;
+  /* q = (T - t)(T + t) */
+  c->gap_lo = !in0 ? 0 : t0 < 0 ? q0 / (T - t0) : T + t0;
+  c->gap_hi = !in1 ? 0 : t1 > 0 ? q1 / (T + t1) : T - t1;
+  double above0 = t0 > 0 ? q0 / (T + t0) : T - t0, below1 = t1 < 0 ? q1 / (T - t1) : T + t1;
+  c->length = in0 && in1 ? f->L : in0 ? above0 : in1 ? below1 : 2 * T;
+  return c->length > 0;
+}
+
+bool skf_arc_support(const skf_arc_frame *f, double R, skf_arc_clip *c) {
+  c->qa = (R - f->da) * (R + f->da);
+  c->qb = (R - f->db) * (R + f->db);
+  c->q0 = c->qa, c->q1 = c->qa;
+  if (!f->full) {
+    c->q0 = (R - f->r0) * (R + f->r0);
+    c->q1 = (R - f->r1) * (R + f->r1);
+  }
+  if (2 * f->spread < R * R) { /* near the axis: from R^2 - rho^2 - |d|^2, exact */
+    skf_dd3 d = f->d;
+    skf_dd d2 = dd3_dot(d, d), q = dd_sub(dd_two_prod(R, R), dd_add(dd_two_prod(f->rho, f->rho), d2));
+    double half = 0.5 * f->spread;
+    c->qa = q.hi + half, c->qb = q.hi - half;
+    if (!f->full) {
+      c->q0 = q.hi + half * (f->c0 - f->s0) * (f->c0 + f->s0);
+      c->q1 = q.hi + half * (f->c1 - f->s1) * (f->c1 + f->s1);
+    }
+  }
+  c->cut = c->qb < 0;
+  c->chi = c->cut && c->qa > 0 ? atan2(sqrt(c->qa), sqrt(-c->qb)) : SKF_PI / 2;
+  return c->qa > 0;
+}
+
+bool skf_arc_clip_piece(const skf_arc_clip *c, skf_arc_piece *p, double *gap) {
+  *gap = 0;
+  if (!c->cut) return true;
+  if (p->xa >= c->chi) return false;
+  if (p->xb > c->chi)
+    p->length = c->chi - p->xa;
+  else
+    *gap = c->chi - p->xb;
+  return true;
+}
