@@ -13,18 +13,16 @@ void skf_triangle_cauchy(const skf_prepared *e, skf_vec3 x, int order, skf_value
 /* exp(-a^2 r^2). Smooth everywhere. */
 void skf_triangle_gaussian(const skf_prepared *e, skf_vec3 x, int order, skf_value *v);
 
-/* 1 / r. On the triangle: F is right; the normal part of the gradient jumps by -4 pi / 2 each way and is returned as
-   its mean, 0. On an edge the gradient's in-plane part is infinite: the edge's own term is left out. */
+/* 1 / r. F is finite everywhere. Inside the triangle the normal part of the gradient jumps by 4 pi and its mean, 0, is
+   returned. On an edge or a corner the gradient is infinite along the surface: the edge's own term is left out. */
 void skf_triangle_inverse(const skf_prepared *e, skf_vec3 x, int order, skf_value *v);
 
 /* 1 / r^2. On the closed triangle F = +infinity, gradient and Hessian 0. */
 void skf_triangle_inverse_squared(const skf_prepared *e, skf_vec3 x, int order, skf_value *v);
 
-/* Metaball: 3/2 k_R - 1/2 k_{R/3} with k_R = (1 - r/R)^2. Once differentiable; the Hessian jumps nowhere but is
-   unbounded in its slope at the rims. */
+/* Metaball, 3/2 k_R - 1/2 k_{R/3} with k_R = (1 - r/R)^2; soft object and quartic, polynomials in r^2 up to R. Exactly
+   0 from R on; the Hessian is continuous, its slope is not at the rims. */
 void skf_triangle_metaball(const skf_prepared *e, skf_vec3 x, int order, skf_value *v);
-
-/* Soft object and quartic: polynomials in r^2 up to R. */
 void skf_triangle_soft_object(const skf_prepared *e, skf_vec3 x, int order, skf_value *v);
 void skf_triangle_quartic(const skf_prepared *e, skf_vec3 x, int order, skf_value *v);
 
