@@ -94,39 +94,43 @@ static void mend_gradient(const skf_triangle_view *g, double R, const skf_triang
                 v3_add(v3_scale(skf_cone_transverse(g, R), T->m[T->longest]), v3_scale(s->Z, T->n)));
 }
 
-static void cone(const skf_triangle_plan *T, skf_vec3 x, double R, int order, skf_value *v) {
-  skf_triangle_view g;
-  skf_triangle_face(T, x, &g);
-  if (g.dist > R * (1 + 1e-12)) return; /* clear of the support in plain arithmetic too */
-  skf_triangle_look(&g);
-  if (g.dist >= R) return;
-  skf_disc disc = skf_disc_at(&g, R);
-  if (disc.all && g.dist >= 1.5 * T->diam) {
-    skf_compact_cubature(SKF_COMPACT_CONE, &disc, &g, skf_quad_order(g.dist, T->diam), order, v);
+static void cone(const skf_triangle_view *g, double R, int order, skf_value *v) {
+  if (g->dist >= R) return;
+  skf_disc disc = skf_disc_at(g, R);
+  if (disc.all && g->dist >= 1.5 * g->T->diam) {
+    skf_compact_cubature(SKF_COMPACT_CONE, &disc, g, skf_quad_order(g->dist, g->T->diam), order, v);
     return;
   }
-  bool beyond = !g.inside && g.lat > 0.5 * disc.rm, rim = beyond || 2 * fabs(g.z) > R;
+  bool beyond = !g->inside && g->lat > 0.5 * disc.rm, rim = beyond || 2 * fabs(g->z) > R;
   skf_triangle_sum s = {0};
-  edges(&g, &disc, beyond, rim, order, &s);
-  skf_triangle_cond c = skf_triangle_assemble(&g, &s, order, v);
+  edges(g, &disc, beyond, rim, order, &s);
+  skf_triangle_cond c = skf_triangle_assemble(g, &s, order, v);
   double limit = rim ? SKF_COMPACT_COND : SKF_TRIANGLE_COND;
   bool keep = c.F <= limit;
   if (keep) {
-    if (0.1 * c.g > limit) mend_gradient(&g, R, &s, v);
+    if (0.1 * c.g > limit) mend_gradient(g, R, &s, v);
     /* The slabs bisect towards the point. Nearer than the height the edges keep eps times the aspect. */
-    if (c.h <= SKF_TRIANGLE_COND_HESSIAN || g.dist < 0.1 * g.T->twice / g.T->diam) return;
+    if (c.h <= SKF_TRIANGLE_COND_HESSIAN || g->dist < 0.1 * g->T->twice / g->T->diam) return;
   }
   skf_value slabs = {0};
-  skf_compact_slabs(SKF_COMPACT_CONE, &disc, &g, order, &slabs);
+  skf_compact_slabs(SKF_COMPACT_CONE, &disc, g, order, &slabs);
   if (keep) slabs.F = v->F, slabs.g = v->g; /* the same F and gradient with and without the Hessian */
   *v = slabs;
 }
 
 void skf_triangle_metaball(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
   double R = e->kernel.param;
+  skf_triangle_view g;
+  skf_triangle_face(&e->plan.triangle, x, &g);
+  if (3 * g.reach <= R) { /* all within the core: a quadratic, that two nodes integrate exactly */
+    skf_quad_conical(skf_kernel_row(SKF_METABALL)->eval, R, g.a, g.T->area, 2, order, v);
+    return;
+  }
+  if (g.dist > R * (1 + 1e-12)) return; /* clear of the support in plain arithmetic too */
+  skf_triangle_look(&g);
   skf_value outer = {0}, inner = {0};
-  cone(&e->plan.triangle, x, R, order, &outer);
-  cone(&e->plan.triangle, x, R / 3, order, &inner);
+  cone(&g, R, order, &outer);
+  cone(&g, R / 3, order, &inner);
   v->F = 1.5 * outer.F - 0.5 * inner.F;
   v->g = v3_mad(v3_scale(1.5, outer.g), -0.5, inner.g);
   for (int i = 0; i < 6 && order > 1; i++) v->h[i] = 1.5 * outer.h[i] - 0.5 * inner.h[i];
