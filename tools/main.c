@@ -15,6 +15,7 @@ const cli_command *const cli_commands[] = {
     /* rays */
     &cmd_trace,
     /* motion */
+    &cmd_simulate,
     /* pictures */
     &cmd_map,
     /* surfaces */

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* skelfield simulate: particles in the gravity of a scene's bodies. */
+#include "launch.h"
+#include "run_summary.h"
+#include "trajectory.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Everything that a run holds. */
+typedef struct simulate {
+  const cli *c;
+  trajectory_table table;
+  skf_world *world;
+  skf_state *starts;
+  skf_flight_report *reports;
+  skf_geo *geo; /* of the ground track */
+  size_t track_body;
+  run_place *places;
+  const trajectory_writer *writer;
+  void *trajectory;
+  cli_out contacts;
+  bool log;
+  int output_status;
+  run_summary sum;
+} simulate;
+
+static double degrees(double radians) { return radians * (180 / 3.14159265358979323846); }
+
+static skf_status take_row(void *user, double t, const skf_state *states) {
+  simulate *s = user;
+  for (size_t i = 0; s->geo && i < s->table.scene->particle_count; i++) {
+    skf_place p;
+    if (skf_geo_place(s->geo, skf_world_to_body(s->world, s->track_body, t, states[i].position), &p))
+      p = (skf_place){NAN, NAN, NAN};
+    s->places[i] = (run_place){degrees(p.latitude), degrees(p.longitude), p.height};
+  }
+  s->sum.rows++;
+  s->sum.t = t;
+  s->output_status = s->writer->row(s->trajectory, t, states, s->places);
+  return s->output_status == CLI_DONE ? SKF_OK : SKF_ERR_IO;
+}
+
+static skf_status take_contact(void *user, const skf_contact *c) {
+  simulate *s = user;
+  s->sum.contacts++;
+  if (s->log) contact_row(s->contacts.file, s->table.scene, c);
+  if (s->writer->contact) s->output_status = s->writer->contact(s->trajectory, c);
+  return s->output_status == CLI_DONE ? SKF_OK : SKF_ERR_IO;
+}
+
+/* A start inside a body is legal: the particle flies until it leaves. */
+static void warn_inside(const simulate *s) {
+  const skf_scene *scene = s->table.scene;
+  for (size_t b = 0; b < scene->body_count && scene->simulation.contact != SKF_CONTACT_NONE; b++)
+    for (size_t i = 0; i < scene->particle_count; i++)
+      if (skf_world_level(s->world, b, 0, s->starts[i].position) > 1e-9 * fabs(scene->bodies[b].iso))
+        cli_say("skelfield: warning: particle '%s' starts inside of body '%s': it flies freely until it leaves",
+                scene->particles[i].name, scene->bodies[b].name);
+}
+
+static bool to_stdout(const char *path) { return !path || strcmp(path, "-") == 0; }
+
+static int check(const cli *c, const skf_scene *scene) {
+  const char *path = cli_operand(c, 0), *contacts = cli_value(c, "contacts"), *out = cli_value(c, "output");
+  if (!scene->simulation.given)
+    return cli_fail(CLI_BAD, "%s: no simulation, expected one with t_end and output_every", path);
+  if (scene->particle_count == 0) return cli_fail(CLI_BAD, "%s: no particles, expected at least one", path);
+  if (cli_given(c, "json") && to_stdout(out)) return cli_fail(CLI_BAD, "--json needs -o FILE: both want stdout");
+  if (contacts && to_stdout(contacts) && (to_stdout(out) || cli_given(c, "json")))
+    return cli_fail(CLI_BAD, "--contacts - needs stdout for itself, expected a file name");
+  if (contacts && out && !to_stdout(out) && strcmp(contacts, out) == 0)
+    return cli_fail(CLI_BAD, "-o and --contacts name the same file");
+  if (skf_integrator_find(scene->simulation.integrator)) return CLI_DONE;
+  char list[256] = "";
+  for (size_t i = 0; i < skf_integrator_count() && strlen(list) < 200; i++)
+    snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", skf_integrator_get(i)->name);
+  return cli_fail(CLI_BAD, "%s: unknown integrator '%s', expected one of %s", path, scene->simulation.integrator, list);
+}
+
+static int prepare(simulate *s) {
+  const skf_scene *scene = s->table.scene;
+  const char *body = cli_value(s->c, "ground-track");
+  int status = launch_world(scene, &s->world);
+  if (status == CLI_DONE) status = launch_starts(scene, s->world, &s->starts);
+  if (status == CLI_DONE && body) {
+    int b = cli_body(scene, body);
+    if (b < 0) return CLI_BAD;
+    s->track_body = (size_t)b;
+    status = launch_geo(scene->bodies + b, &s->geo);
+    s->places = calloc(scene->particle_count, sizeof *s->places);
+    if (!s->places) return cli_fail(CLI_FAILED, "out of memory");
+  }
+  s->reports = calloc(scene->particle_count, sizeof *s->reports);
+  return s->reports ? status : cli_fail(CLI_FAILED, "out of memory");
+}
+
+static int open_outputs(simulate *s) {
+  const char *path = cli_value(s->c, "output"), *contacts = cli_value(s->c, "contacts");
+  s->writer = trajectory_writer_for(path);
+  if (!s->writer) return CLI_BAD;
+  s->table.track = s->geo != NULL;
+  int status = s->writer->open(&s->trajectory, path, &s->table);
+  if (status != CLI_DONE || !contacts) return status;
+  status = cli_out_open(&s->contacts, contacts);
+  s->log = status == CLI_DONE;
+  if (s->log) contact_header(s->contacts.file);
+  return status;
+}
+
+/* Commits what is complete: all of it, or the rows before a failure or an interrupt. */
+static int close_outputs(simulate *s, bool keep) {
+  int status = CLI_DONE, log = CLI_DONE;
+  if (s->trajectory && keep) status = s->writer->commit(s->trajectory);
+  if (s->trajectory && !keep) s->writer->abort(s->trajectory);
+  keep = keep && status == CLI_DONE;
+  if (s->log && keep) log = cli_out_commit(&s->contacts);
+  if (s->log && !keep) cli_out_abort(&s->contacts);
+  return status != CLI_DONE ? status : log;
+}
+
+/* Says how a run ended early. */
+static int complain(const simulate *s, skf_status ended, const skf_run_failure *where) {
+  const skf_scene *scene = s->table.scene;
+  const char *kept = s->sum.rows ? "rows before are written" : "nothing written";
+  if (ended == SKF_ERR_CANCELLED) return cli_fail(CLI_FAILED, "interrupted after t = %.9g, %s", s->sum.t, kept);
+  if (ended == SKF_ERR_CONVERGENCE && s->sum.rows == 0)
+    return cli_fail(CLI_BAD, "%s:%ld: particle '%s' starts where the force is not finite", cli_operand(s->c, 0),
+                    scene->particles[where->particle].line, scene->particles[where->particle].name);
+  if (ended == SKF_ERR_CONVERGENCE)
+    return cli_fail(CLI_FAILED, "particle '%s' meets a force that no step can follow at t = %.17g, %s",
+                    scene->particles[where->particle].name, where->t, kept);
+  if (ended == SKF_ERR_IO) return CLI_FAILED;
+  return cli_fail_status(ended, "simulate");
+}
+
+static int fly(simulate *s) {
+  const skf_scene *scene = s->table.scene;
+  const skf_simulation *sim = &scene->simulation;
+  skf_run run = {scene->particle_count,
+                 s->starts,
+                 sim->t_end,
+                 sim->output_every,
+                 {sim->integrator, sim->tolerance, 0, sim->contact, sim->restitution, sim->friction}};
+  skf_run_sink sink = {take_row, take_contact, s};
+  skf_run_failure where = {0, 0};
+  skf_progress progress = cli_progress("simulate");
+  skf_status ended = skf_run_all(s->world, &run, &sink, &progress, s->reports, &where);
+  cli_progress_end();
+  int status = ended ? complain(s, ended, &where) : CLI_DONE;
+  bool keep = s->sum.rows > 0 && ended != SKF_ERR_IO;
+  int closed = close_outputs(s, keep);
+  s->trajectory = NULL, s->log = false;
+  if (s->output_status != CLI_DONE) status = s->output_status;
+  if (keep && closed == CLI_DONE) run_summary_tell(&s->sum, scene, s->reports, cli_given(s->c, "json"));
+  return status != CLI_DONE ? status : closed;
+}
+
+static int run_with(const cli *c, const skf_scene *scene) {
+  simulate s = {.c = c, .table = {.scene = scene, .scene_path = cli_operand(c, 0)}};
+  int status = check(c, scene);
+  if (status == CLI_DONE) status = prepare(&s);
+  if (status == CLI_DONE) warn_inside(&s);
+  if (status == CLI_DONE) status = open_outputs(&s);
+  if (status == CLI_DONE) status = fly(&s);
+  close_outputs(&s, false);
+  skf_world_free(s.world);
+  skf_geo_free(s.geo);
+  free(s.starts);
+  free(s.reports);
+  free(s.places);
+  return status;
+}
+
+static int run(cli *c) {
+  skf_scene *scene;
+  int status = cli_scene(cli_operand(c, 0), &scene);
+  if (status == CLI_DONE) status = run_with(c, scene);
+  skf_scene_free(scene);
+  return status;
+}
+
+static const cli_option options[] = {
+    {'o', "output", "FILE", "the trajectory, .csv or .h5 (default: CSV on stdout)"},
+    {'c', "contacts", "FILE", "the contact log, CSV"},
+    {'g', "ground-track", "BODY", "add lat, lon [deg] and height over this body's ellipsoid, in its turning frame"},
+    {'j', "json", NULL, "print the summary as JSON on stdout"},
+};
+
+const cli_command cmd_simulate = {
+    "simulate",
+    "SCENE",
+    "fly the scene's particles, find their contacts",
+    1,
+    options,
+    sizeof options / sizeof *options,
+    "in:  a scene with particles and a simulation\n"
+    "out: t,particle,x,y,z,vx,vy,vz at t = 0, output_every, ..., t_end, by time, then particle; inertial frame.\n"
+    "     HDF5: t (T), position and velocity (T, N, 3), place (T, N, 3), particles, bodies, contacts, scene\n"
+    "contacts: t,particle,body,x,y,z,nx,ny,nz,vx,vy,vz,outcome: the first point where a path enters a body, the\n"
+    "     outward normal, the velocity just before, and what follows:\n"
+    "     stop    stays at that point of the inertial frame with velocity 0; rows go on\n"
+    "     stick   stays at that point of the body and turns with it\n"
+    "     bounce  rebounds: the normal velocity relative to the turning ground times -restitution, the tangential one\n"
+    "             less friction times the normal impulse\n"
+    "     slide   a rebound too low to tell: slides on, until it takes off again\n"
+    "     rest    the same without speed along the ground, held by friction: stays on the body\n"
+    "     A particle that starts inside of a body flies freely until it leaves it.\n"
+    "launch: a start on a body's ellipsoid; its speed is relative to the turning ground.\n"
+    "example: skelfield simulate data/donut.yaml -o orbits.csv --contacts contacts.csv",
+    run};

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Writers of trajectories: one file each, one row in the list, chosen by the ending of the file's name. */
+#ifndef SKF_TOOLS_TRAJECTORY_H
+#define SKF_TOOLS_TRAJECTORY_H
+
+#include "cli.h"
+
+/* What a trajectory is about. */
+typedef struct trajectory_table {
+  const skf_scene *scene;
+  const char *scene_path;
+  bool track; /* rows carry latitude, longitude [deg] and height [L] over a body */
+} trajectory_table;
+
+typedef struct run_place {
+  double latitude, longitude, height; /* degrees */
+} run_place;
+
+typedef struct trajectory_writer {
+  const char *ending, *doc;
+  /* Each returns CLI_DONE, or another status after the message. path NULL or "-" is stdout. */
+  int (*open)(void **self, const char *path, const trajectory_table *table);
+  int (*row)(void *self, double t, const skf_state *states, const run_place *places); /* of all particles */
+  int (*contact)(void *self, const skf_contact *contact);                             /* NULL: keeps none */
+  int (*commit)(void *self);                                                          /* frees self */
+  void (*abort)(void *self);                                                          /* frees self */
+} trajectory_writer;
+
+extern const trajectory_writer trajectory_writer_csv, trajectory_writer_hdf5;
+
+/* By the file's ending; CSV for stdout. NULL after the message for an ending that none has. */
+const trajectory_writer *trajectory_writer_for(const char *path);
+
+/* The contract's contact log, one CSV row for each contact. */
+void contact_header(FILE *f);
+void contact_row(FILE *f, const skf_scene *scene, const skf_contact *c);
+
+#endif
