@@ -2,16 +2,13 @@
 /* skelfield mesh: a closed triangle mesh of the isosurface. */
 #include "mesh_body.h"
 #include <math.h>
-#include <stdlib.h>
+#include <string.h>
 
+/* Standard output gets the first format, PLY. */
 static const skf_mesh_format *format_of(const char *path) {
-  const skf_mesh_format *f = path ? skf_mesh_format_find(path) : NULL;
-  if (f) return f;
-  if (!path)
-    cli_fail(CLI_BAD, "mesh needs an output, expected -o FILE.ply, .obj, .off or .stl");
-  else
-    cli_fail(CLI_BAD, "%s: the ending names no mesh format, expected .ply, .obj, .off or .stl", path);
-  return NULL;
+  const skf_mesh_format *f = !path || !strcmp(path, "-") ? skf_mesh_format_get(0) : skf_mesh_format_find(path);
+  if (!f) cli_fail(CLI_BAD, "%s: the ending names no mesh format, expected .ply, .obj, .off or .stl", path);
+  return f;
 }
 
 static void say(const skf_body *body, const skf_mesh *mesh, const skf_mesh_report *r) {
@@ -47,7 +44,7 @@ static int write_mesh(const skf_mesh *mesh, const skf_mesh_format *format, const
   skf_status s = skf_mesh_write(mesh, format, out.file);
   if (s && s != SKF_ERR_IO) {
     cli_out_abort(&out);
-    return cli_fail(CLI_FAILED, "%s: %s", path,
+    return cli_fail(CLI_FAILED, "%s: %s", path ? path : "stdout",
                     s == SKF_ERR_RANGE ? "coordinates too large for this format" : skf_status_text(s));
   }
   return cli_out_commit(&out);
@@ -78,7 +75,8 @@ static int run(cli *c) {
 }
 
 static const cli_option options[] = {
-    {'o', "output", "FILE", "the mesh: .ply, .obj (with normals), .off or .stl (single precision)"},
+    {'o', "output", "FILE",
+     "the mesh: .ply, .obj (with normals), .off or .stl (single precision) (default: PLY on stdout)"},
     {'e', "edge", "H", "target length of the triangles' edges (default: from size and curvature)"},
     {'b', "body", "NAME", "this body alone (default: all bodies, one after the other)"},
 };

@@ -20,6 +20,7 @@ const cli_command *const cli_commands[] = {
     &cmd_map,
     /* surfaces */
     &cmd_mesh,
+    &cmd_validate,
     /* scenes */
     &cmd_info,
     NULL,

@@ -71,6 +71,11 @@ typedef struct skf_mesh_measure {
 
 SKF_API skf_status skf_mesh_measure_of(const skf_mesh *mesh, skf_mesh_measure *out);
 
+/* Finds triangles that cross or touch another one beyond what they share, or come so close to it that rounding cannot
+   tell: bad[t], one for each triangle, is set to 1 for those and to 0 for all others; *count is their number. So 0 is
+   certain. */
+SKF_API skf_status skf_mesh_crossings(const skf_mesh *mesh, signed char *bad, size_t *count);
+
 /* A registered mesh file format. */
 typedef struct skf_mesh_format {
   const char *extension, *doc; /* ".ply" */

@@ -108,10 +108,6 @@ skf_status skf_sample(const skf_field *field, size_t n, const skf_vec3 *at, doub
 skf_status skf_mesh_improve(skf_mesh *mesh, const skf_field *field, double iso, double edge, int rounds,
                             const signed char *locked);
 
-/* crossing.c: sets bad[t] for triangles that cross or touch another one beyond what they share, or come so close that
-   rounding cannot tell; *count is their number. */
-skf_status skf_mesh_crossings(const skf_mesh *mesh, signed char *bad, size_t *count);
-
 static inline bool skf_cancelled(const skf_progress *p, double done) {
   return p && p->report && p->report(p->user, done) != 0;
 }
