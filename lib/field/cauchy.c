@@ -35,7 +35,8 @@ static void segment(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) 
   if (order > 1) {
     t.k_h2 = 24 * s * (s2 * f.h2) * skf_span_c6(&a) / (P * P2 * P2 * P2);
     t.g_ends = -4 * s2 * dW * (1 / (W0 * W0) + 1 / WW + 1 / (W1 * W1)) / WW;
-    t.g_both = -4 * s2 * (1 / (W0 * W0 * W0) + 1 / (W1 * W1 * W1));
+    t.g0 = -4 * s2 / (W0 * W0 * W0);
+    t.g1 = -4 * s2 / (W1 * W1 * W1);
   }
   skf_segment_result(&f, &t, order, v);
 }

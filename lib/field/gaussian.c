@@ -38,7 +38,8 @@ static void segment(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) 
   if (order > 1) {
     t.k_h2 = 4 * a2 * (a2 * f.h2) * t.F;
     t.g_ends = -2 * a2 * t.ends;
-    t.g_both = -2 * a2 * (exp(-a2 * w0) + exp(-a2 * w1));
+    t.g0 = -2 * a2 * exp(-a2 * w0);
+    t.g1 = -2 * a2 * exp(-a2 * w1);
   }
   skf_segment_result(&f, &t, order, v);
 }

@@ -41,8 +41,9 @@ static void segment(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) 
                          .ends = inverse_step(f.dw, r0, r1)};
   if (order > 1) {
     t.g_ends = -inverse_cube_step(f.dw, r0, r1);
-    t.g_both = -(1 / (r0 * r0 * r0) + 1 / (r1 * r1 * r1));
-    t.k_h2 = -2 * t.g - 0.5 * (f.L * t.g_both - f.sum * t.g_ends); /* 1/r is harmonic */
+    t.g0 = -1 / (r0 * r0 * r0);
+    t.g1 = -1 / (r1 * r1 * r1);
+    t.k_h2 = -2 * t.g - skf_segment_moment(&f, &t); /* 1/r is harmonic */
   }
   skf_segment_result(&f, &t, order, v);
 }
@@ -89,9 +90,12 @@ static void smooth_moments(const skf_arc_frame *f, double *c4, double *c2s2, dou
 static void parted_moments(const skf_arc_frame *f, double A, double B, double *c4, double *c2s2, double *s4) {
   double jump = 0;
   if (!f->full) {
-    double sum = 1 / (f->r02 * f->r0) + 1 / (f->r12 * f->r1);
+    double u = 1 / (f->r02 * f->r0), v = 1 / (f->r12 * f->r1), sc0 = f->s0 * f->c0, sc1 = f->s1 * f->c1;
     double step = inverse_cube_step(f->k * f->turn, f->r0, f->r1);
-    jump = 0.5 * (f->cos_mid * f->sin_half * sum - f->sin_mid * f->cos_half * step);
+    if (fabs(sc0) * u + fabs(sc1) * v < f->sin_half * (u + v))
+      jump = sc1 * v - sc0 * u; /* near an end */
+    else
+      jump = 0.5 * (f->cos_mid * f->sin_half * (u + v) - f->sin_mid * f->cos_half * step);
   }
   *c2s2 = (A - B - jump) / (3 * f->spread);
   *c4 = f->alpha > 0 ? (A - f->beta * *c2s2) / f->alpha : 0; /* only alpha times it counts */

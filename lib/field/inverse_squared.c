@@ -62,7 +62,8 @@ static void segment(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) 
   }
   if (order > 1) {
     t.g_ends = -2 * t.ends * (1 / w0 + 1 / w1);
-    t.g_both = -2 * (1 / (w0 * w0) + 1 / (w1 * w1));
+    t.g0 = -2 / (w0 * w0);
+    t.g1 = -2 / (w1 * w1);
   }
   skf_segment_result(&f, &t, order, v);
 }

@@ -33,7 +33,7 @@ static void point(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
 
 /* What the two ends of a segment or an arc contribute. */
 typedef struct ends {
-  double h, g, g_both; /* h0 - h1, g0 - g1, g0 + g1; g = h'/r */
+  double h, g, g0, g1; /* h0 - h1, g0 - g1, g0, g1; g = h'/r */
 } ends;
 
 /* Differences from dw = r1^2 - r0^2. Both in the shell: each factor is exact. Across R/3 or R the law changes. */
@@ -41,7 +41,7 @@ static ends at_ends(double R, double r0, double r1, double q0, double q1, double
   double a[4], b[4], R2 = R * R;
   eval_power(R, r0 * r0, q0, a);
   eval_power(R, r1 * r1, q1, b);
-  ends s = {a[0] - b[0], 2 * (a[1] - b[1]), 2 * (a[1] + b[1])};
+  ends s = {a[0] - b[0], 2 * (a[1] - b[1]), 2 * a[1], 2 * b[1]};
   if (q0 <= 0 || q1 <= 0) return s;
   double u = fmax(0, 3 * r0 / R - 1), v = fmax(0, 3 * r1 / R - 1);
   if (u == 0 || v == 0) {
@@ -90,7 +90,7 @@ static void segment(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) 
   skf_segment_place(e, x, &f);
   if (!skf_segment_support(&f, R, &c)) return;
   ends s = at_ends(R, f.r0, f.r1, c.q0, c.q1, f.dw);
-  skf_segment_terms t = {.ends = s.h, .g_ends = s.g, .g_both = s.g_both};
+  skf_segment_terms t = {.ends = s.h, .g_ends = s.g, .g0 = s.g0, .g1 = s.g1};
   double T3 = f.h < R / 3 ? sqrt((R / 3 - f.h) * (R / 3 + f.h)) : -1;
   stretch whole = {c.lo, c.r_lo, c.hi, c.r_hi, c.length, c.gap_lo, c.gap_hi};
   if (T3 < 0 || c.lo >= T3 || c.hi <= -T3)

@@ -23,7 +23,7 @@ void skf_polynomial_point(skf_polynomial p, const skf_prepared *e, skf_vec3 x, i
 
 /* Differences and sum at the two ends per unit of dw = r1^2 - r0^2 (scaled by the caller's divisor). */
 typedef struct ends {
-  double h, g, g_both; /* h0 - h1, g0 - g1, g0 + g1; g = h'/r */
+  double h, g, g0, g1; /* h0 - h1, g0 - g1, g0, g1; g = h'/r */
 } ends;
 
 /* dw: r1^2 - r0^2 divided by `per`; the differences are divided by it too. */
@@ -31,8 +31,8 @@ static ends at_ends(skf_polynomial p, double R, double q0, double q1, double dw,
   double R2 = R * R, m0 = fmax(0, q0 / R2), m1 = fmax(0, q1 / R2);
   double dm = q0 > 0 && q1 > 0 ? dw / R2 : q0 > 0 || q1 > 0 ? (m0 - m1) / per : 0;
   return (ends){dm * (p.c2 * (m0 + m1) + p.c3 * (m0 * m0 + m0 * m1 + m1 * m1)),
-                -2 * dm * (2 * p.c2 + 3 * p.c3 * (m0 + m1)) / R2,
-                -2 * (2 * p.c2 * (m0 + m1) + 3 * p.c3 * (m0 * m0 + m1 * m1)) / R2};
+                -2 * dm * (2 * p.c2 + 3 * p.c3 * (m0 + m1)) / R2, -2 * m0 * (2 * p.c2 + 3 * p.c3 * m0) / R2,
+                -2 * m1 * (2 * p.c2 + 3 * p.c3 * m1) / R2};
 }
 
 void skf_polynomial_segment(skf_polynomial p, const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
@@ -50,7 +50,7 @@ void skf_polynomial_segment(skf_polynomial p, const skf_prepared *e, skf_vec3 x,
     h += w * d[0], g += w * 2 * d[1], k += w * 4 * d[2];
   }
   ends s = at_ends(p, R, c.q0, c.q1, f.dw, 1);
-  skf_segment_terms t = {h, g, k * f.h2, s.h, s.g, s.g_both};
+  skf_segment_terms t = {h, g, k * f.h2, s.h, s.g, s.g0, s.g1};
   skf_segment_result(&f, &t, order, v);
 }
 

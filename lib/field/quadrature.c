@@ -5,7 +5,7 @@
 #include "field/simple.h"
 #include "num/gauss.h"
 
-enum { SIZE = SKF_QUADRATURE_SIZE, NODES = 16, DEPTH = 48 };
+enum { SIZE = SKF_QUADRATURE_SIZE, NODES = 16, DEPTH = 48, PANELS = 4000 };
 
 /* Sizes of value, gradient and Hessian: each is judged by itself. */
 typedef struct size3 {
@@ -32,14 +32,14 @@ static size3 panel(const skf_integrand *f, double a, double b, double out[SIZE])
   return size;
 }
 
-/* Halves the panel until both halves together agree with it. */
+/* Halves the panel until both halves together agree with it, or the panels are used up. */
 static void refine(const skf_integrand *f, double a, double b, const double whole[SIZE], const size3 *scale, int depth,
-                   double out[SIZE]) {
+                   int *panels, double out[SIZE]) {
   double m = 0.5 * (a + b), left[SIZE], right[SIZE], diff[SIZE];
   size3 l = panel(f, a, m, left), r = panel(f, m, b, right);
   for (int k = 0; k < SIZE; k++) diff[k] = whole[k] - (left[k] + right[k]);
   size3 d = sizes(diff);
-  bool done = depth == 0 || !(a < m && m < b);
+  bool done = depth == 0 || !(a < m && m < b) || (*panels -= 2) < 0;
   if (!done) {
     done = true;
     for (int i = 0; i < 3; i++) /* the halves are 2^32 times better than what the difference shows */
@@ -48,14 +48,15 @@ static void refine(const skf_integrand *f, double a, double b, const double whol
   if (done)
     for (int k = 0; k < SIZE; k++) out[k] += left[k] + right[k];
   else {
-    refine(f, a, m, left, scale, depth - 1, out);
-    refine(f, m, b, right, scale, depth - 1, out);
+    refine(f, a, m, left, scale, depth - 1, panels, out);
+    refine(f, m, b, right, scale, depth - 1, panels, out);
   }
 }
 
 void skf_integrate(const skf_integrand *f, int n, const double *breaks, double out[SIZE]) {
   double y[SIZE];
   size3 scale = {{0, 0, 0}};
+  int panels = PANELS;
   for (int pass = 0; pass < 2; pass++)
     for (int i = 0; i + 1 < n; i++) {
       int parts = (int)fmin(64, ceil(breaks[i + 1] - breaks[i]));
@@ -64,7 +65,7 @@ void skf_integrate(const skf_integrand *f, int n, const double *breaks, double o
         double b = j + 1 == parts ? breaks[i + 1] : breaks[i] + (j + 1) * step;
         size3 s = panel(f, a, b, y);
         for (int k = 0; k < 3 && pass == 0; k++) scale.s[k] += s.s[k];
-        if (pass == 1) refine(f, a, b, y, &scale, DEPTH, out);
+        if (pass == 1) refine(f, a, b, y, &scale, DEPTH, &panels, out);
       }
     }
 }

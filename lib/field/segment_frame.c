@@ -39,8 +39,7 @@ void skf_segment_result(const skf_segment_frame *f, const skf_segment_terms *t, 
   v->F = t->F;
   v->g = v3_mad(v3_scale(t->ends, a), t->g, w);
   if (order < 2) return;
-  /* t1 g1 - t0 g0 with t1 - t0 = L */
-  double aa = 0.5 * (f->L * t->g_both - f->sum * t->g_ends) - t->g, aw = t->g_ends;
+  double aa = skf_segment_moment(f, t) - t->g, aw = t->g_ends;
   double ww = f->h2 > 0 ? t->k_h2 / f->h2 : 0;
   v->h[0] = t->g + aa * a.x * a.x + ww * w.x * w.x + 2 * aw * a.x * w.x;
   v->h[1] = aa * a.x * a.y + ww * w.x * w.y + aw * (a.x * w.y + a.y * w.x);
@@ -48,6 +47,12 @@ void skf_segment_result(const skf_segment_frame *f, const skf_segment_terms *t, 
   v->h[3] = t->g + aa * a.y * a.y + ww * w.y * w.y + 2 * aw * a.y * w.y;
   v->h[4] = aa * a.y * a.z + ww * w.y * w.z + aw * (a.y * w.z + a.z * w.y);
   v->h[5] = t->g + aa * a.z * a.z + ww * w.z * w.z + 2 * aw * a.z * w.z;
+}
+
+/* Far along the axis both products are nearly equal: t1 - t0 = L and t0 + t1 help. Near an end they would cancel. */
+double skf_segment_moment(const skf_segment_frame *f, const skf_segment_terms *t) {
+  if (fmin(fabs(f->t0), fabs(f->t1)) < f->L) return f->t1 * t->g1 - f->t0 * t->g0;
+  return 0.5 * (f->L * (t->g0 + t->g1) - f->sum * t->g_ends);
 }
 
 double skf_segment_excess(double ta, double ra, double tb, double rb, double h2) {

@@ -24,11 +24,14 @@ typedef struct skf_segment_terms {
   double g;              /* int g dt */
   double k_h2;           /* h^2 int k dt */
   double ends;           /* h(r0) - h(r1) */
-  double g_ends, g_both; /* g(r0) - g(r1), g(r0) + g(r1) */
+  double g_ends, g0, g1; /* g(r0) - g(r1) without cancellation, g(r0), g(r1) */
 } skf_segment_terms;
 
 /* The Hessian's terms are read for order 2 only. */
 void skf_segment_result(const skf_segment_frame *f, const skf_segment_terms *t, int order, skf_value *v);
+
+/* t1 g(r1) - t0 g(r0) without cancellation. */
+double skf_segment_moment(const skf_segment_frame *f, const skf_segment_terms *t);
 
 /* r_a + r_b - (t_b - t_a) without cancellation; 0 exactly when x is on the piece. int dt/r = log1p(2 L / it). */
 double skf_segment_excess(double ta, double ra, double tb, double rb, double h2);
