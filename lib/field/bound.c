@@ -4,12 +4,19 @@
 #include "field/bound.h"
 #include "core/vec3.h"
 
+/* By how much each shell is thicker than the last: quick, for tables, for regions. */
+#define COARSE 1.5
+#define MEDIUM 1.2
+#define FINE   1.05
+
 /* How much of a primitive can lie within a distance r of a point. */
 typedef struct reach {
   skf_shape shape;
   double total, near, far; /* measure; distances from the point */
   double h2, t0, t1;       /* segment: squared distance to its line, abscissae of its ends */
   double rho, k;           /* arc: its radius and the distance from its axis; k < 0: the worst one */
+  bool beyond;             /* not a point, but all places at a height of at least `near` above a plane that the */
+  double lean;             /* primitive does not reach over; |cosine| between the up and the segment or arc's normal */
 } reach;
 
 static reach reach_from(const skf_primitive *p, skf_vec3 x) {
@@ -46,9 +53,26 @@ static double arc_within(const reach *m, double r, double T2) {
   return s2 < 1 ? 4 * m->rho * asin(sqrt(s2)) : m->total;
 }
 
+/* From above: a segment whose upper end is at height 0 and goes down by `lean` of its length. The best place is
+   straight above the farthest point in reach, or where the part in reach starts at the upper end. */
+static double segment_beyond(const reach *m, double r, double T2) {
+  double c = m->lean, farthest = r - m->near;
+  if (farthest <= 2 * r * c * c) return farthest / c;
+  return 2 * fmax(sqrt((1 - c * c) * T2) - m->near * c, 0);
+}
+
+/* From above: with P = rho + near sin and the best distance y from the axis, r^2 = near^2 + 2 rho (P + y) sin^2(half).
+ */
+static double arc_beyond(const reach *m, double T2) {
+  double P = m->rho + m->near * sqrt(1 - m->lean * m->lean), y2 = P * P - m->lean * m->lean * T2;
+  double s2 = y2 > 0 ? T2 / (2 * m->rho * (P + sqrt(y2))) : 1;
+  return s2 < 1 ? 4 * m->rho * asin(sqrt(s2)) : m->total;
+}
+
 static double within(const reach *m, double r) {
   double T2 = fmax(r * r - m->h2, 0);
   if (r >= m->far) return m->total;
+  if (m->beyond) return fmin(m->total, m->shape == SKF_SEGMENT ? segment_beyond(m, r, T2) : arc_beyond(m, T2));
   switch (m->shape) {
   case SKF_SEGMENT: {
     double T = sqrt(T2);
@@ -61,13 +85,13 @@ static double within(const reach *m, double r) {
 }
 
 /* Sums the envelope over shells whose thickness grows with the distance. */
-static skf_envelope shells(skf_kernel k, const reach *m, double radius) {
+static skf_envelope shells(skf_kernel k, const reach *m, double radius, double growth) {
   skf_envelope sum = {0, 0, 0, 0};
   double r = m->near, width = skf_kernel_width(k), done = 0;
-  double step = fmax(r - radius, width), T = sqrt(step * (0.4 * r + 0.1 * step)), base = r * r;
+  double step = fmax(r - radius, width), T = (growth - 1) * sqrt(step * (1.6 * r + 0.4 * step)), base = r * r;
   if (!(step > 0)) return (skf_envelope){INFINITY, INFINITY, INFINITY, INFINITY}; /* a singular kernel, touched */
-  for (int i = 0; done < m->total; i++, T *= 1.5) {
-    double next = i < 40 ? sqrt(base + T * T) : m->far, upto = next >= m->far ? m->total : within(m, next);
+  for (int i = 0; done < m->total; i++, T *= growth) {
+    double next = i < 200 ? sqrt(base + T * T) : m->far, upto = next >= m->far ? m->total : within(m, next);
     skf_envelope e = skf_kernel_envelope(k, r - radius);
     if (upto > done) {
       double mu = upto - done;
@@ -97,7 +121,7 @@ skf_bound skf_element_bound(const skf_element *e, skf_vec3 center, double radius
     if (isfinite(slack)) b.lo -= slack, b.hi += slack;
   } else {
     reach m = reach_from(&e->primitive, center);
-    skf_envelope v = shells(e->kernel, &m, radius);
+    skf_envelope v = shells(e->kernel, &m, radius, COARSE);
     double farthest = m.total * skf_kernel_envelope(e->kernel, m.far + radius).value;
     if (skf_kernel_kinked(e->kernel, fmax(m.near - radius, 0), m.far + radius)) v.fourth = INFINITY;
     b = (skf_bound){tight * farthest, loose * v.value, v.slope, v.bend, v.fourth};
@@ -123,9 +147,31 @@ skf_envelope skf_element_reach(const skf_element *e, double d) {
   } else if (p->shape == SKF_TRIANGLE) {
     m.far = hypot(d, sqrt(m.total / SKF_PI));
   }
-  skf_envelope v = shells(e->kernel, &m, 0);
+  skf_envelope v = shells(e->kernel, &m, 0, MEDIUM);
   double loose = 1 + 1e-12;
   return (skf_envelope){loose * v.value, loose * v.slope, loose * v.bend, loose * v.fourth};
+}
+
+double skf_element_beyond(const skf_element *e, skf_vec3 up, double height) {
+  const skf_primitive *p = &e->primitive;
+  skf_box b = skf_primitive_bounds(p);
+  double top = 0, plain;
+  for (int i = 0; i < 3; i++) top += fmax(v3_get(up, i) * v3_get(b.lo, i), v3_get(up, i) * v3_get(b.hi, i));
+  plain = skf_element_reach(e, fmax(height - top, 0)).value;
+  if ((p->shape != SKF_SEGMENT && p->shape != SKF_ARC) || !(height > top)) return plain;
+  reach m = {.shape = p->shape, .total = skf_primitive_measure(p), .beyond = true, .near = height - top};
+  if (p->shape == SKF_SEGMENT) {
+    m.lean = fmin(fabs(v3_dot(v3_sub(p->segment.to, p->segment.from), up)) / m.total, 1);
+    m.far = m.near + m.total;
+  } else {
+    double cosine = fmin(fabs(v3_dot(v3_unit(p->arc.normal), up)), 1);
+    m.lean = cosine, m.rho = p->arc.radius;
+    m.near = height - (v3_dot(p->arc.center, up) + m.rho * sqrt(1 - cosine * cosine)); /* above the whole circle */
+    m.far = m.near + 2 * m.rho;
+    if (!(m.near > 0)) return plain;
+  }
+  m.h2 = m.near * m.near;
+  return fmin(plain, shells(e->kernel, &m, 0, FINE).value * (1 + 1e-12));
 }
 
 skf_bound skf_field_bound(const skf_field *field, skf_vec3 center, double radius) {

@@ -13,4 +13,7 @@ skf_bound skf_element_bound(const skf_element *e, skf_vec3 center, double radius
    Kinks are not looked for: see skf_kernel_kinked. */
 skf_envelope skf_element_reach(const skf_element *e, double d);
 
+/* Supremum of the primitive's field over all p with p . up >= height; `up` is along a coordinate axis, of length 1. */
+double skf_element_beyond(const skf_element *e, skf_vec3 up, double height);
+
 #endif

@@ -8,12 +8,11 @@
 /* Upper bound of F beyond the plane at `c` along axis i, on the positive (sign = 1) or negative side. */
 static double beyond(const skf_field *f, int i, double sign, double c) {
   double sum = 0;
+  skf_vec3 up = {0, 0, 0};
+  *v3_at(&up, i) = sign;
   for (size_t k = 0; k < skf_field_size(f); k++) {
     const skf_element *e = skf_field_element(f, k);
-    if (!(e->strength > 0)) continue;
-    skf_box b = skf_primitive_bounds(&e->primitive);
-    double top = sign > 0 ? v3_get(b.hi, i) : v3_get(b.lo, i);
-    sum += e->strength * skf_element_reach(e, fmax(sign * (c - top), 0)).value;
+    if (e->strength > 0) sum += e->strength * skf_element_beyond(e, up, sign * c);
   }
   return sum;
 }
@@ -121,7 +120,7 @@ skf_status skf_field_region(const skf_field *field, double iso, skf_box *out) {
   shave s = {field, iso, 0, skf_alloc(LEAVES, sizeof *s.leaf)};
   if (!s.leaf) return SKF_ERR_NOMEM;
   keep(&s, *out);
-  shave_off(&s, *out, n < 3 ? 900 : n < 60 ? (int)(2700 / n) : 45);
+  shave_off(&s, *out, n < 3 ? 600 : n < 40 ? (int)(1800 / n) : 45);
   skf_box tight = hull(&s);
   size_t left = s.n;
   skf_free(s.leaf);
