@@ -4,6 +4,7 @@
 #include "core/vec3.h"
 #include "field/bound.h"
 #include "skeleton/shape.h"
+#include <float.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -104,6 +105,11 @@ double skf_source_distance(const skf_source *s, skf_vec3 x) {
   case SKF_PLANE: return fabs(v3_dot(v3_sub(x, s->a), s->b));
   default: return skf_primitive_distance(&s->element.primitive, x);
   }
+}
+
+double skf_source_descent(const skf_source *s, skf_vec3 direction) {
+  double c = v3_dot(direction, s->b);
+  return fabs(c) > 4 * DBL_EPSILON ? c : 0;
 }
 
 double skf_source_disc(const skf_source *s, skf_vec3 x, double radius) {

@@ -34,6 +34,9 @@ void skf_source_free(skf_source *s);
 /* Distance from x, to rounding. */
 double skf_source_distance(const skf_source *s, skf_vec3 x);
 
+/* Cosine between a unit direction and a plane's normal; 0 where rounding of the direction cannot tell it from 0. */
+double skf_source_descent(const skf_source *s, skf_vec3 direction);
+
 /* Bounds at distances within [near, far] from the primitive. For planes all of `above` and `below` are signed values of
    F. `fourth` is infinite where a kink of the kernel may be met. */
 skf_grade skf_source_grade(const skf_source *s, double near, double far);

@@ -18,7 +18,7 @@ static range drift(const skf_walk *w, double t) {
     const skf_source *s = w->tracer->sources + i;
     if (!is_drifting(s)) continue;
     bool linear = s->element.kernel.type == SKF_INVERSE;
-    double z0 = v3_dot(v3_sub(w->origin, s->a), s->b), dz = v3_dot(w->direction, s->b), z = z0 + t * dz;
+    double z0 = v3_dot(v3_sub(w->origin, s->a), s->b), dz = skf_source_descent(s, w->direction), z = z0 + t * dz;
     double c = -2 * SKF_PI * s->weight;
     if (dz * z < 0) return (range){-INFINITY, INFINITY}; /* not yet past it */
     value += linear ? c * fabs(z) : c * log(fabs(z));
@@ -43,7 +43,7 @@ static range fading(const skf_walk *w, double t) {
     double near, far = INFINITY;
     if (is_drifting(s)) continue;
     if (s->element.primitive.shape == SKF_PLANE) {
-      double z = v3_dot(v3_sub(p, s->a), s->b), dz = v3_dot(w->direction, s->b);
+      double z = v3_dot(v3_sub(p, s->a), s->b), dz = skf_source_descent(s, w->direction);
       near = z * dz >= 0 ? fabs(z) : 0;
       if (dz == 0) far = fabs(z);
     } else {

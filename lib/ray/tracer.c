@@ -106,7 +106,7 @@ static bool clip(const skf_tracer *t, const skf_walk *w, double *from, double *t
 static double next_break(const skf_walk *w, double from, double to, double *side) {
   for (size_t i = 0; i < w->tracer->linear; i++) {
     const skf_source *s = w->tracer->sources + i;
-    double z = v3_dot(v3_sub(w->origin, s->a), s->b), dz = v3_dot(w->direction, s->b), t = -z / dz;
+    double z = v3_dot(v3_sub(w->origin, s->a), s->b), dz = skf_source_descent(s, w->direction), t = -z / dz;
     side[i] = dz == 0 ? (z < 0 ? -1 : 1) : (from < t) == (dz > 0) ? -1 : 1;
     if (dz != 0 && t > from) to = fmin(to, t);
   }

@@ -51,24 +51,28 @@ typedef struct cell {
 
 static cell enclose(const skf_walk *w, double a, double b) {
   const skf_tracer *tr = w->tracer;
-  double L = b - a, half = 0.5 * L, L2 = L * L, L4 = L2 * L2;
+  double L = b - a, half = 0.5 * L;
   skf_vec3 p = v3_mad(w->origin, a + half, w->direction);
   double slack = 4 * DBL_EPSILON * (largest(p) + largest(w->origin));
   cell c = {0, 0, 0, 0};
   for (size_t i = 0; i < tr->linear; i++) {
     const skf_source *s = tr->sources + i;
-    double factor = -2 * SKF_PI * s->weight * w->side[i], dz = v3_dot(w->direction, s->b);
+    double factor = -2 * SKF_PI * s->weight * w->side[i], dz = skf_source_descent(s, w->direction);
     double v = factor * v3_dot(v3_sub(p, s->a), s->b), r = fabs(factor * (half * fabs(dz) + slack));
     c.lo += v - r, c.hi += v + r;
   }
   for (size_t i = tr->linear; i < tr->n; i++) {
     const skf_source *s = tr->sources + i;
-    double d = skf_source_distance(s, p), x = fabs(s->weight);
-    skf_grade g = skf_source_grade(s, fmax(d * (1 - 1e-12) - half - slack, 0), d * (1 + 1e-12) + half + slack);
-    if (s->disc && d < s->reach) g.below = fmax(g.below, skf_source_disc(s, p, half + slack));
+    /* a plane's field depends on the distance alone: it sees the ray foreshortened */
+    bool plane = s->element.primitive.shape == SKF_PLANE;
+    double along = plane ? fabs(skf_source_descent(s, w->direction)) : 1, reach = along * half + slack;
+    double d = skf_source_distance(s, p), x = fabs(s->weight), L2 = along * L * along * L, L4 = L2 * L2;
+    skf_grade g = skf_source_grade(s, fmax(d * (1 - 1e-12) - reach, 0), d * (1 + 1e-12) + reach);
+    if (s->disc && d < s->reach) g.below = fmax(g.below, skf_source_disc(s, p, reach));
     double above = s->weight * g.above.value, below = s->weight * g.below;
     c.lo += s->weight > 0 ? below : above;
     c.hi += s->weight > 0 ? above : below;
+    if (L2 == 0) continue; /* along the plane: constant */
     c.error += x * fmin(L4 / 384 * g.above.fourth, L2 / 16 * g.above.bend);
     c.slope += x * fmin(0.00801876 * L4 * g.above.fourth, 0.2516 * L2 * g.above.bend);
   }

@@ -47,7 +47,9 @@ static inline size_t dense_check(const skf_tracer *tracer, const skf_field *f, d
   for (size_t i = 0; i < n; i++) {
     skf_vec3 g, p = hits[i].at;
     double F = skf_field_at(f, p, &g), coordinates = fabs(p.x) + fabs(p.y) + fabs(p.z) + v3_norm(r->origin);
-    check_scaled(F, iso, 4 * dense_size(f, p) + fabs(iso) + coordinates * v3_norm(g), DBL_EPSILON);
+    double ulp = DBL_EPSILON * coordinates, before = dense_value(f, r, hits[i].t - 4 * ulp);
+    bool tight = (before > iso) != (dense_value(f, r, hits[i].t + 4 * ulp) > iso); /* no better place exists */
+    if (!tight) check_scaled(F, iso, 4 * dense_size(f, p) + fabs(iso) + coordinates * v3_norm(g), DBL_EPSILON);
     assert_true(hits[i].t >= r->t_min && hits[i].t <= r->t_max);
     assert_true(i == 0 || hits[i].t > hits[i - 1].t);
     check_close(v3_norm(hits[i].normal), 1.0, 1e-14);
