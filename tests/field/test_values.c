@@ -73,6 +73,20 @@ static void test_values(void **state) {
   }
 }
 
+/* Close to an end of a segment the parts of the Hessian are 1e8 times smaller than what they are made of. */
+static void test_near_end(void **state) {
+  (void)state;
+  static const double want[6] = {-1505321162359827.0, 2060493644733892.0,  -1217832419115677.0,
+                                 -1784283317126664.0, -3845928847321183.0, 3289604479486492.0};
+  skf_element e = {{.shape = SKF_SEGMENT, .segment = {{0.1, 0.2, -0.3}, {6.1, 2.7, 1.3}}}, {SKF_INVERSE, 0}, 1};
+  skf_field *f;
+  double h[6];
+  assert_int_equal(skf_field_new(&e, 1, &f), SKF_OK);
+  skf_field_tensor_at(f, v3(0.1 + 1e-8, 0.2 - 3e-9, -0.3 + 2e-8), NULL, h);
+  skf_field_free(f);
+  for (int k = 0; k < 6; k++) check_scaled(h[k], want[k], 6e15, 1e-14);
+}
+
 /* h and its derivatives with respect to r^2 at r = 3/4, parameter 3/2 (u = 1/2, outside the metaball's core). */
 static void test_kernels(void **state) {
   (void)state;
@@ -93,6 +107,7 @@ static void test_kernels(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_values), cmocka_unit_test(test_kernels)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_values), cmocka_unit_test(test_near_end),
+                                     cmocka_unit_test(test_kernels)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
