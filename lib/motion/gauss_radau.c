@@ -60,6 +60,8 @@ static const double binomial[TERMS][TERMS] = {
    be this many tolerances before the acceleration is off by a tolerance inside of the step. The error at its end, of
    order 15, is then far below. */
 #define LAST_TERM 1e4
+/* Margin of the check at the end of the step, in tolerances and in rounding errors. */
+#define JOIN 64
 /* A step is refused when its error asks for less than this share of it. */
 #define REFUSE 0.5
 
@@ -179,34 +181,46 @@ static double share(const gauss_radau *w, const skf_vec3 b[TERMS], double h, dou
   return fmin(4, pow(allowed / error, 1.0 / TERMS));
 }
 
-static skf_status step(void *work, skf_ode *ode, const skf_step_control *control, skf_orbit *at, size_t *rejected) {
-  gauss_radau *w = work;
+/* The acceleration at the end of the step is known for the next one: where it is not what the polynomial says, the
+   force has a join that no node has seen. A smooth force differs there by less than the tolerance, see LAST_TERM. */
+static bool meets(const gauss_radau *w, double h, double size, double tolerance, skf_vec3 a) {
+  skf_vec3 end = w->from_a;
+  for (int k = 0; k < TERMS; k++) end = v3_add(end, w->b[k]);
+  double allowed = tolerance * (JOIN * size + largest(w->from.v) / h) + JOIN * w->noise;
+  return largest(v3_sub(end, a)) <= allowed;
+}
+
+/* One attempt. Returns the share of h that would meet the tolerance; below REFUSE the step has not been taken. */
+static double attempt(gauss_radau *w, skf_ode *ode, double h, double tolerance, skf_orbit *at) {
+  gauss_radau before = *w;
   skf_vec3 b[TERMS], e[TERMS];
-  double h = fmin(w->h, control->h_max), size, q = 0;
-  w->from = *at;
-  for (;; (*rejected)++) {
-    if (!(h > skf_step_floor(at->t)) || !isfinite(h)) return SKF_ERR_CONVERGENCE;
-    predict(w, h / w->done, b, e);
-    if (!solve(w, ode, h, b, &size)) {
-      h *= 0.25;
-      continue;
-    }
-    q = share(w, b, h, size, control->tolerance);
-    if (q >= REFUSE) break;
-    h *= fmax(q, 0.1);
-  }
+  double size, noise;
+  predict(w, h / w->done, b, e);
+  if (!solve(w, ode, h, b, &size)) return 0.25;
+  double q = share(w, b, h, size, tolerance);
+  if (q < REFUSE) return fmax(q, 0.1);
   memcpy(w->b, b, sizeof b);
   memcpy(w->e, e, sizeof e);
   w->from_a = w->a0;
   w->done = h;
   skf_orbit next = *at;
   finish(w, h, &next);
-  double noise;
   ode->evaluations++;
-  if (!ode->eval(ode->user, next.t, v3_add(next.x, next.x_low), &w->a0, &noise)) return SKF_ERR_CONVERGENCE;
-  w->h = h * q;
-  *at = next;
-  return SKF_OK;
+  bool finite = ode->eval(ode->user, next.t, v3_add(next.x, next.x_low), &w->a0, &noise);
+  if (!finite || !meets(w, h, size, tolerance, w->a0)) return *w = before, 0.25;
+  return *at = next, q;
+}
+
+static skf_status step(void *work, skf_ode *ode, const skf_step_control *control, skf_orbit *at, size_t *rejected) {
+  gauss_radau *w = work;
+  double h = fmin(w->h, control->h_max);
+  w->from = *at;
+  for (;; (*rejected)++) {
+    if (!(h > skf_step_floor(at->t)) || !isfinite(h)) return SKF_ERR_CONVERGENCE;
+    double q = attempt(w, ode, h, control->tolerance, at);
+    if (q >= REFUSE) return w->h = h * q, SKF_OK;
+    h *= q;
+  }
 }
 
 static skf_status dense(void *work, skf_ode *ode, skf_path *path) {

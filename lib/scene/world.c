@@ -4,6 +4,7 @@
 #include "core/alloc.h"
 #include "core/vec3.h"
 #include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 static const skf_range latitude = {-90, 90, false}, turn = {-360, 360, false}, half_turn = {0, 179, true},
@@ -118,9 +119,12 @@ static skf_status read_integrator(skf_reader *r, const skf_node *node, void *int
   skf_status s = skf_expect(r, node, SKF_NODE_SCALAR, "integrator", "an integrator's name");
   if (s) return s;
   const char *text = skf_node_text(&r->yaml, node);
-  if (*text && strlen(text) < size) return strcpy(out, text), SKF_OK;
-  return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "integrator is %s, expected an integrator's name",
-                       skf_quote(text).text);
+  if (*text && strlen(text) < size && skf_integrator_find(text)) return strcpy(out, text), SKF_OK;
+  char list[128] = "";
+  for (size_t i = 0; i < skf_integrator_count() && strlen(list) + 40 < sizeof list; i++)
+    snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", skf_integrator_get(i)->name);
+  return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "integrator is %s, expected one of %s",
+                       skf_quote(text).text, list);
 }
 
 static const skf_key simulation_keys[] = {

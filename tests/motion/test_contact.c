@@ -250,7 +250,7 @@ static void moving_bodies_are_met(void **state) {
     skf_vec3 from = v3(rnd(&seed, -2, 2), rnd(&seed, -2, 2), 4),
              v = v3(rnd(&seed, -0.3, 0.3), rnd(&seed, -0.3, 0.3), -2);
     size_t n = 0, m = 0;
-    skf_contact c, d;
+    skf_contact c = {0}, d = {0};
     double later = TAU / 3 * 5;
     skf_flight *f = fly(w, (skf_flight_options){.contact = SKF_CONTACT_STOP}, (skf_state){0, from, v});
     skf_flight *g = fly(w, (skf_flight_options){.contact = SKF_CONTACT_STOP}, (skf_state){later, from, v});

@@ -135,6 +135,32 @@ static void frames_agree(void **state) {
   skf_field_free(fields[0]), skf_field_free(fields[1]);
 }
 
+/* From far outside through fields that end, or vanish in doubles: none is leapt over, and the joins cost no energy. */
+static void finite_support_is_not_leapt_over(void **state) {
+  (void)state;
+  const skf_kernel kernels[] = {{SKF_QUARTIC, 0.5}, {SKF_SOFT_OBJECT, 0.5}, {SKF_METABALL, 0.5}, {SKF_GAUSSIAN, 8}};
+  for (int k = 0; k < 4; k++) {
+    skf_element e = point_at(0, 0, 0, kernels[k]);
+    skf_field *field;
+    skf_world *w = single(&e, 1, 1e3, 1, still, &field);
+    double first = NAN;
+    for (size_t i = 0; i < skf_integrator_count(); i++) {
+      skf_flight *f = fly(w, (skf_flight_options){.integrator = skf_integrator_get(i)->name},
+                          (skf_state){0, {-1000, 0.1, 0}, {1, 0, 0}});
+      skf_state s = state_at(f, 2000, NULL, NULL);
+      skf_flight_report r = skf_flight_get_report(f);
+      if (i == 0) first = s.velocity.y;
+      assert_true(s.velocity.y < -0.3); /* deflected */
+      check_close(s.velocity.y, first, 1e-10);
+      check_scaled(r.energy_drift, 0, 1, 1e-12);
+      assert_in_range(r.steps + r.rejected, 1, 400);
+      skf_flight_free(f);
+    }
+    skf_world_free(w);
+    skf_field_free(field);
+  }
+}
+
 /* Scaling lengths by L and times by T = L^(3/2) changes nothing but the scale. */
 static void scale_does_not_matter(void **state) {
   (void)state;
@@ -190,6 +216,7 @@ int main(void) {
       cmocka_unit_test(equilibria_of_a_turning_segment),
       cmocka_unit_test(jacobi_constant_holds),
       cmocka_unit_test(frames_agree),
+      cmocka_unit_test(finite_support_is_not_leapt_over),
       cmocka_unit_test(scale_does_not_matter),
       cmocka_unit_test(bad_flights_are_refused),
   };

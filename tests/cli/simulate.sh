@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: MIT
+# skelfield simulate: columns, rows, contacts, launches, ground tracks, scenes that are refused, interrupts.
+. "$(dirname "$0")/harness.sh"
+
+write fall.yaml <<'END'
+skelfield: 1
+gravity: {G: 1}
+bodies:
+  - name: sun
+    iso: 2
+    kernel: {type: inverse}
+    ellipsoid: {equatorial: 0.5, polar: 0.5}
+    spin: {axis: [0, 0, 1], rate: 0.5}
+    skeleton: [{point: {at: [0, 0, 0]}}]
+particles:
+  - {name: stone, position: [1, 0, 0], velocity: [0, 0, 0]}
+  - {name: "moon, new", position: [0, 1, 0], velocity: [-1, 0, 0]}
+simulation: {t_end: 1.25, output_every: 0.5, tolerance: 1.0e-12}
+END
+
+run simulate fall.yaml --contacts hits.csv -o run.csv
+expect_status "simulate works" 0
+cp run.csv "$kept/out"
+expect_out "its header" '^t,particle,x,y,z,vx,vy,vz$'
+expect_close "rows at 0, 0.5, 1, 1.25 of two particles" "$(rows)" 8 0
+expect_close "the last row is t_end" "$(field 8 1)" 1.25 0
+expect "particles in the scene's order" [ "$(field 2 2)" = stone ]
+expect_close "the stone stays where it touched" "$(field 8 3)" 0.5 1e-14
+expect_out "names with commas are quoted" '^1.25,"moon, new",'
+cp hits.csv "$kept/out"
+expect_out "the log's header" '^t,particle,body,x,y,z,nx,ny,nz,vx,vy,vz,outcome$'
+expect_close "one contact" "$(rows)" 1 0
+expect_close "when: pi/4 + 1/2 over sqrt 2" "$(field 2 1)" "$(awk 'BEGIN { printf "%.17g", (atan2(1, 1) + 0.5) * sqrt(0.5) }')" 1e-13
+expect_close "how fast: sqrt 2" "$(field 2 10)" -1.4142135623730951 1e-12
+expect_out "what follows" ',stop$'
+
+run simulate fall.yaml
+expect_same "stdout is the same table" out run.csv
+run simulate fall.yaml --threads 1
+expect_same "one thread gives the same bytes" out run.csv
+
+run simulate fall.yaml --ground-track sun
+expect_out "a ground track" '^t,particle,x,y,z,vx,vy,vz,lat,lon,height$'
+expect_close "its height" "$(field 2 11)" 0.5 1e-14
+expect_close "its longitude, over ground that turns" "$(field 8 10)" "$(awk 'BEGIN { printf "%.17g", -0.625 * 180 / atan2(0, -1) }')" 1e-13
+
+run simulate fall.yaml -o run.h5 --json
+expect_status "HDF5 and a summary" 0
+expect_out "the summary counts the contact" '"contacts": 1,'
+expect "the file is there" [ -s run.h5 ]
+
+run simulate fall.yaml -o run.txt
+expect_refused "an unknown ending" "unknown ending of a trajectory, expected .csv or .h5"
+run simulate fall.yaml --ground-track moon
+expect_refused "an unknown body" "no body is called 'moon', expected one of sun"
+run simulate fall.yaml -o same.csv --contacts same.csv
+expect_refused "one file for two tables" "-o and --contacts name the same file"
+grep -v simulation fall.yaml >none.yaml
+run simulate none.yaml
+expect_refused "no simulation" "no simulation, expected one with t_end and output_every"
+sed '/- {name: /d; s/^particles:/particles: []/' fall.yaml >nobody.yaml
+run simulate nobody.yaml
+expect_refused "no particles" "no particles, expected at least one"
+sed 's/position: \[1, 0, 0\]/position: [0, 0, 0]/' fall.yaml >inside.yaml
+run simulate inside.yaml
+expect_refused "a start in a singularity" "particle 'stone' starts where the force is not finite"
+sed 's/tolerance:/integrator: euler, tolerance:/' fall.yaml >euler.yaml
+run simulate euler.yaml
+expect_refused "an unknown integrator" "expected one of gauss-radau, dop853"
+
+tap_done

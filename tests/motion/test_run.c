@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: MIT */
+/* Runs of many particles: rows, order of contacts, threads, failures. */
+#include "motion/worlds.h"
+#include <omp.h>
+#include <string.h>
+
+enum { COUNT = 40, ROWS = 200, LOG = 4000 };
+
+typedef struct record {
+  size_t rows, contacts;
+  double t[ROWS];
+  skf_state states[ROWS][COUNT];
+  skf_contact log[LOG];
+  size_t row_of[LOG]; /* rows delivered before this contact */
+} record;
+
+static skf_status row(void *user, double t, const skf_state *states) {
+  record *r = user;
+  assert_true(r->rows < ROWS);
+  r->t[r->rows] = t;
+  memcpy(r->states[r->rows++], states, sizeof r->states[0]);
+  return SKF_OK;
+}
+
+static skf_status contact(void *user, const skf_contact *c) {
+  record *r = user;
+  assert_true(r->contacts < LOG);
+  r->row_of[r->contacts] = r->rows;
+  memcpy(r->log + r->contacts++, c, offsetof(skf_contact, outcome) + sizeof c->outcome); /* padding stays zero */
+  return SKF_OK;
+}
+
+static skf_field *field;
+static skf_world *world;
+static skf_state start[COUNT];
+static const skf_flight_options bounce = {.contact = SKF_CONTACT_BOUNCE, .restitution = 0.9};
+
+/* A ring with a body of its own; particles fall on it from a sphere around it. */
+static int set_up(void **state) {
+  (void)state;
+  skf_element e = ring_of(1, newton, 1);
+  world = single(&e, 1, 9, 1 / TAU, (skf_spin){{1, 0, 0}, {0, 0, 0}, 0.3}, &field);
+  for (int i = 0; i < COUNT; i++) {
+    double z = -1 + (i + 0.5) * 2 / COUNT, phi = 2.399963 * i, r = sqrt(1 - z * z);
+    start[i] = (skf_state){0, {2 * r * cos(phi), 2 * r * sin(phi), 2 * z}, {0, 0.1, 0}};
+  }
+  return 0;
+}
+
+static int tear_down(void **state) {
+  (void)state;
+  skf_world_free(world);
+  skf_field_free(field);
+  return 0;
+}
+
+static record *run_on(int threads, double t_end, double every) {
+  record *r = calloc(1, sizeof *r);
+  assert_non_null(r);
+  int before = omp_get_max_threads();
+  omp_set_num_threads(threads);
+  skf_run run = {COUNT, start, t_end, every, bounce};
+  assert_int_equal(skf_run_all(world, &run, &(skf_run_sink){row, contact, r}, NULL, NULL, NULL), SKF_OK);
+  omp_set_num_threads(before);
+  return r;
+}
+
+static void rows_fall_on_multiples_and_the_end(void **state) {
+  (void)state;
+  const struct {
+    double t_end, every;
+    size_t rows;
+  } cases[] = {{0.3, 0.1, 4}, {0.35, 0.1, 5}, {1, 1, 2}, {1, 3, 2}, {0, 1, 1}, {7, 0.7, 11}, {0.5, 0, 2}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    record *r = run_on(1, cases[i].t_end, cases[i].every);
+    assert_int_equal(r->rows, cases[i].rows);
+    assert_true(r->t[0] == 0 && r->t[r->rows - 1] == cases[i].t_end);
+    for (size_t k = 0; k + 1 < r->rows; k++) assert_true(r->t[k] == (double)k * cases[i].every);
+    for (size_t k = 0; k < r->rows; k++) assert_true(r->states[k][3].t == r->t[k]);
+    assert_memory_equal(r->states[0], start, sizeof start);
+    free(r);
+  }
+}
+
+static void contacts_come_in_order(void **state) {
+  (void)state;
+  record *r = run_on(2, 15, 0.1);
+  assert_in_range(r->contacts, COUNT / 2, LOG);
+  for (size_t i = 0; i < r->contacts; i++) {
+    const skf_contact *c = r->log + i;
+    size_t k = r->row_of[i]; /* the next row is the first at or after the contact */
+    assert_true(c->t <= r->t[k] && (k == 0 || c->t > r->t[k - 1]));
+    if (i) assert_true(c[-1].t < c->t || (c[-1].t == c->t && c[-1].particle <= c->particle));
+    check_scaled(v3_norm(c->normal), 1, 1, 1e-14);
+    check_scaled(skf_world_level(world, 0, c->t, c->position), 0, 9, 1e-12);
+  }
+  free(r);
+}
+
+static void threads_change_nothing(void **state) {
+  (void)state;
+  record *a = run_on(1, 15, 0.1), *b = run_on(2, 15, 0.1), *c = run_on(3, 15, 0.1);
+  assert_memory_equal(a, b, sizeof *a);
+  assert_memory_equal(a, c, sizeof *a);
+  free(a), free(b), free(c);
+}
+
+/* Output times do not steer the steps: other rows, the same end to the last bit. */
+static void output_does_not_steer(void **state) {
+  (void)state;
+  record *a = run_on(2, 15, 0.1), *b = run_on(2, 15, 15);
+  assert_memory_equal(a->states[a->rows - 1], b->states[b->rows - 1], sizeof a->states[0]);
+  assert_int_equal(a->contacts, b->contacts);
+  assert_memory_equal(a->log, b->log, sizeof a->log);
+  free(a), free(b);
+}
+
+/* A particle that meets a singularity ends the run: rows before that time have been delivered. */
+static void failures_say_who_and_when(void **state) {
+  (void)state;
+  skf_element e = point_at(0, 0, 0, newton);
+  skf_field *f;
+  skf_world *w = single(&e, 1, 1, 1, (skf_spin){0}, &f);
+  skf_state two[COUNT];
+  for (int i = 0; i < COUNT; i++) two[i] = (skf_state){0, {1 + i, 0, 0}, {0, i == 7 ? 0 : 1 / sqrt(1 + i), 0}};
+  record *r = calloc(1, sizeof *r);
+  assert_non_null(r);
+  skf_run run = {COUNT, two, 100, 1, {.contact = SKF_CONTACT_NONE}};
+  skf_run_failure where;
+  assert_int_equal(skf_run_all(w, &run, &(skf_run_sink){row, contact, r}, NULL, NULL, &where), SKF_ERR_CONVERGENCE);
+  assert_int_equal(where.particle, 7);
+  check_close(where.t, SKF_PI / sqrt(8) * pow(8, 1.5), 1e-6);
+  assert_int_equal(r->rows, 1 + (size_t)where.t);
+  free(r);
+  skf_world_free(w);
+  skf_field_free(f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(rows_fall_on_multiples_and_the_end),
+      cmocka_unit_test(contacts_come_in_order),
+      cmocka_unit_test(threads_change_nothing),
+      cmocka_unit_test(output_does_not_steer),
+      cmocka_unit_test(failures_say_who_and_when),
+  };
+  return cmocka_run_group_tests(tests, set_up, tear_down);
+}
