@@ -78,7 +78,7 @@ static int prepare(simulate *s) {
   const skf_scene *scene = s->table.scene;
   const char *body = cli_value(s->c, "ground-track");
   int status = launch_world(scene, &s->world);
-  if (status == CLI_DONE) status = launch_starts(scene, s->world, &s->starts);
+  if (status == CLI_DONE) status = launch_starts(scene, s->table.scene_path, s->world, &s->starts);
   if (status == CLI_DONE && body) {
     int b = cli_body(scene, body);
     if (b < 0) return CLI_BAD;
@@ -120,9 +120,6 @@ static int complain(const simulate *s, skf_status ended, const skf_run_failure *
   const skf_scene *scene = s->table.scene;
   const char *kept = s->sum.rows ? "rows before are written" : "nothing written";
   if (ended == SKF_ERR_CANCELLED) return cli_fail(CLI_FAILED, "interrupted after t = %.9g, %s", s->sum.t, kept);
-  if (ended == SKF_ERR_CONVERGENCE && s->sum.rows == 0)
-    return cli_fail(CLI_BAD, "%s:%ld: particle '%s' starts where the force is not finite", cli_operand(s->c, 0),
-                    scene->particles[where->particle].line, scene->particles[where->particle].name);
   if (ended == SKF_ERR_CONVERGENCE)
     return cli_fail(CLI_FAILED, "particle '%s' meets a force that no step can follow at t = %.17g, %s",
                     scene->particles[where->particle].name, where->t, kept);

@@ -44,13 +44,24 @@ static int launch(const skf_scene *scene, const skf_world *world, const skf_laun
   return CLI_DONE;
 }
 
-int launch_starts(const skf_scene *scene, const skf_world *world, skf_state **out) {
+/* A particle cannot start in a singularity. */
+static int check_force(const skf_scene *scene, const char *scene_path, const skf_world *world, size_t i,
+                       const skf_state *s) {
+  skf_vec3 a;
+  skf_world_at(world, 0, s->position, &a);
+  if (isfinite(a.x) && isfinite(a.y) && isfinite(a.z)) return CLI_DONE;
+  return cli_fail(CLI_BAD, "%s:%ld: particle '%s' starts where the force is not finite, expected another place",
+                  scene_path, scene->particles[i].line, scene->particles[i].name);
+}
+
+int launch_starts(const skf_scene *scene, const char *scene_path, const skf_world *world, skf_state **out) {
   skf_state *starts = *out = calloc(scene->particle_count + 1, sizeof *starts);
   if (!starts) return cli_fail(CLI_FAILED, "out of memory");
   for (size_t i = 0; i < scene->particle_count; i++) {
     const skf_particle *p = scene->particles + i;
     starts[i] = (skf_state){0, p->position, p->velocity};
     int status = p->launch.given ? launch(scene, world, &p->launch, starts + i) : CLI_DONE;
+    if (status == CLI_DONE) status = check_force(scene, scene_path, world, i, starts + i);
     if (status != CLI_DONE) return free(starts), *out = NULL, status;
   }
   return CLI_DONE;

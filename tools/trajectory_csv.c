@@ -9,20 +9,6 @@ typedef struct run_csv {
   const trajectory_table *table;
 } run_csv;
 
-/* A field of a CSV row, quoted where it must be [RFC 4180]. */
-static void put_name(FILE *f, const char *name) {
-  if (!strpbrk(name, ",\"\r\n")) {
-    fputs(name, f);
-    return;
-  }
-  putc('"', f);
-  for (; *name; name++) {
-    if (*name == '"') putc('"', f);
-    putc(*name, f);
-  }
-  putc('"', f);
-}
-
 static void put_vector(FILE *f, skf_vec3 v) {
   const double x[3] = {v.x, v.y, v.z};
   for (int k = 0; k < 3; k++) {
@@ -48,7 +34,7 @@ static int row_csv(void *self, double t, const skf_state *states, const run_plac
   for (size_t i = 0; i < scene->particle_count; i++) {
     cli_put(f, t);
     putc(',', f);
-    put_name(f, scene->particles[i].name);
+    fputs(scene->particles[i].name, f); /* names hold no commas and no quotes */
     put_vector(f, states[i].position);
     put_vector(f, states[i].velocity);
     if (places) put_vector(f, (skf_vec3){places[i].latitude, places[i].longitude, places[i].height});
@@ -94,9 +80,7 @@ void contact_header(FILE *f) { fputs("t,particle,body,x,y,z,nx,ny,nz,vx,vy,vz,ou
 void contact_row(FILE *f, const skf_scene *scene, const skf_contact *c) {
   cli_put(f, c->t);
   putc(',', f);
-  put_name(f, scene->particles[c->particle].name);
-  putc(',', f);
-  put_name(f, scene->bodies[c->body].name);
+  fprintf(f, "%s,%s", scene->particles[c->particle].name, scene->bodies[c->body].name);
   put_vector(f, c->position);
   put_vector(f, c->normal);
   put_vector(f, c->before);

@@ -154,7 +154,7 @@ static skf_clock clock_of(double t) { return (skf_clock){t, 0}; }
 
 double skf_world_at(const skf_world *w, double t, skf_vec3 p, skf_vec3 *a) {
   double noise;
-  if (a) skf_world_force(w, clock_of(t), p, a, &noise);
+  if (a && !skf_world_force(w, clock_of(t), p, a, &noise)) *a = v3(NAN, NAN, NAN);
   return skf_world_potential(w, clock_of(t), p, NULL);
 }
 

@@ -58,7 +58,8 @@ SKF_API skf_status skf_world_new(const skf_attractor *bodies, size_t n, skf_worl
 SKF_API void skf_world_free(skf_world *world);
 SKF_API size_t skf_world_size(const skf_world *world);
 
-/* Acceleration [L/T^2] and potential energy per unit mass [L^2/T^2] in the inertial frame at time t; a may be NULL. */
+/* Acceleration [L/T^2] and potential energy per unit mass [L^2/T^2] in the inertial frame at time t; a may be NULL,
+   and is NAN where the force is not finite. */
 SKF_API double skf_world_at(const skf_world *world, double t, skf_vec3 p, skf_vec3 *a);
 
 /* From the inertial frame to the frame of a body at time t, and back. */

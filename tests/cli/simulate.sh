@@ -14,7 +14,7 @@ bodies:
     skeleton: [{point: {at: [0, 0, 0]}}]
 particles:
   - {name: stone, position: [1, 0, 0], velocity: [0, 0, 0]}
-  - {name: "moon, new", position: [0, 1, 0], velocity: [-1, 0, 0]}
+  - {name: moon, position: [0, 1, 0], velocity: [-1, 0, 0]}
 simulation: {t_end: 1.25, output_every: 0.5, tolerance: 1.0e-12}
 END
 
@@ -26,7 +26,6 @@ expect_close "rows at 0, 0.5, 1, 1.25 of two particles" "$(rows)" 8 0
 expect_close "the last row is t_end" "$(field 8 1)" 1.25 0
 expect "particles in the scene's order" [ "$(field 2 2)" = stone ]
 expect_close "the stone stays where it touched" "$(field 8 3)" 0.5 1e-14
-expect_out "names with commas are quoted" '^1.25,"moon, new",'
 cp hits.csv "$kept/out"
 expect_out "the log's header" '^t,particle,body,x,y,z,nx,ny,nz,vx,vy,vz,outcome$'
 expect_close "one contact" "$(rows)" 1 0
@@ -50,22 +49,22 @@ expect_out "the summary counts the contact" '"contacts": 1,'
 expect "the file is there" [ -s run.h5 ]
 
 run simulate fall.yaml -o run.txt
-expect_refused "an unknown ending" "unknown ending of a trajectory, expected .csv or .h5"
+expect_refused "an unknown ending" "run.txt: unknown ending of a trajectory, expected .csv or .h5"
 run simulate fall.yaml --ground-track moon
 expect_refused "an unknown body" "no body is called 'moon', expected one of sun"
 run simulate fall.yaml -o same.csv --contacts same.csv
 expect_refused "one file for two tables" "-o and --contacts name the same file"
 grep -v simulation fall.yaml >none.yaml
 run simulate none.yaml
-expect_refused "no simulation" "no simulation, expected one with t_end and output_every"
+expect_refused "no simulation" "none.yaml: no simulation, expected one with t_end and output_every"
 sed '/- {name: /d; s/^particles:/particles: []/' fall.yaml >nobody.yaml
 run simulate nobody.yaml
-expect_refused "no particles" "no particles, expected at least one"
+expect_refused "no particles" "nobody.yaml: no particles, expected at least one"
 sed 's/position: \[1, 0, 0\]/position: [0, 0, 0]/' fall.yaml >inside.yaml
 run simulate inside.yaml
-expect_refused "a start in a singularity" "particle 'stone' starts where the force is not finite"
+expect_refused "a start in a singularity" "inside.yaml:11: particle 'stone' starts where the force is not finite"
 sed 's/tolerance:/integrator: euler, tolerance:/' fall.yaml >euler.yaml
 run simulate euler.yaml
-expect_refused "an unknown integrator" "expected one of gauss-radau, dop853"
+expect_refused "an unknown integrator" "euler.yaml:13: integrator is .euler., expected one of gauss-radau, dop853"
 
 tap_done

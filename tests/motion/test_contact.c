@@ -54,7 +54,7 @@ static void grazing_is_decided(void **state) {
         skf_world *w = sphere(L, 0, still, &field);
         skf_flight *f =
             fly(w, (skf_flight_options){.contact = SKF_CONTACT_STOP}, (skf_state){0, {-3 * L, b * L, 0}, {L, 0, 0}});
-        skf_contact c;
+        skf_contact c = {0};
         size_t n = 0;
         state_at(f, 6, &n, &c);
         assert_int_equal(n, side < 0);
@@ -84,7 +84,7 @@ static void spikes_are_not_missed(void **state) {
     skf_vec3 from = v3(rnd(&seed, -2, 2), rnd(&seed, -2, 2), 3),
              to = v3(rnd(&seed, -0.6, 0.6), rnd(&seed, -0.6, 0.6), 0), d = v3_sub(to, from);
     skf_flight *f = fly(w, (skf_flight_options){.contact = SKF_CONTACT_STOP}, (skf_state){0, from, v3_scale(100, d)});
-    skf_contact c;
+    skf_contact c = {0};
     size_t n = 0;
     state_at(f, 0.02, &n, &c);
     skf_hit hit;
@@ -108,7 +108,7 @@ static void births_on_and_in_the_surface(void **state) {
   skf_field *field;
   skf_world *w = sphere(1, 1, still, &field);
   skf_flight_options stop = {.contact = SKF_CONTACT_STOP};
-  skf_contact c;
+  skf_contact c = {0};
   size_t n = 0;
   double v = sqrt(2 * (1 - 1 / 1.5)); /* rises to 1.5 */
   double back = 2 * sqrt(1.5 * 1.5 * 1.5 / 2) * (acos(sqrt(1 / 1.5)) + sqrt(1 / 1.5 * (1 - 1 / 1.5)));
@@ -144,7 +144,7 @@ static void elastic_bounces_keep_energy(void **state) {
   skf_flight *f = fly(w, (skf_flight_options){.contact = SKF_CONTACT_BOUNCE, .restitution = 1},
                       (skf_state){0, {1.5, 0, 0}, {0, 0.1, 0}});
   size_t n = 0;
-  skf_contact c;
+  skf_contact c = {0};
   skf_state s = state_at(f, 100, &n, &c);
   skf_invariants a = skf_world_invariants(w, &(skf_state){0, {1.5, 0, 0}, {0, 0.1, 0}}),
                  b = skf_world_invariants(w, &s);
@@ -165,7 +165,7 @@ static void lossy_bounces_come_to_rest(void **state) {
     skf_flight *f = fly(w, (skf_flight_options){.contact = SKF_CONTACT_BOUNCE, .restitution = 0.5, .friction = 0.3},
                         (skf_state){0, {1.5 * L, 0, 0}, {0, 0.2 * L / T, 0}});
     size_t n = 0;
-    skf_contact c;
+    skf_contact c = {0};
     skf_state s = state_at(f, 30 * T, &n, &c);
     assert_int_equal(c.outcome, SKF_OUTCOME_REST);
     assert_in_range(n, 5, 30);
@@ -185,7 +185,7 @@ static void sliding_goes_on_and_friction_stops_it(void **state) {
   skf_flight *f = fly(w, (skf_flight_options){.contact = SKF_CONTACT_BOUNCE, .restitution = 0},
                       (skf_state){0, {1.0001, 0, 0}, {0, 0.3, 0}});
   size_t n = 0;
-  skf_contact c;
+  skf_contact c = {0};
   skf_state s = state_at(f, 10, &n, &c);
   assert_int_equal(c.outcome, SKF_OUTCOME_SLIDE);
   assert_in_range(n, 1, 3);
@@ -213,7 +213,7 @@ static void spinning_ground_counts(void **state) {
   skf_flight_options o = {.contact = SKF_CONTACT_BOUNCE, .restitution = 1, .friction = 0.1};
   skf_flight *f = fly(w, o, (skf_state){0, {3, 0, 0}, {-1, 0, 0}});
   size_t n = 0;
-  skf_contact c;
+  skf_contact c = {0};
   state_at(f, 3, &n, &c);
   assert_int_equal(n, 1);
   check_close(c.after.x, -c.before.x, 1e-14);
