@@ -6,7 +6,8 @@ front of every new one, so nothing needs to be declared twice, and no C is parse
 - a variable has one copy: every object defines it, and the dynamic linker takes the first definition for all;
 - a function has its newest text: each object calls its own copy (-Bsymbolic-functions);
 - a name that is defined again becomes another symbol from there on, by a #define (gcc's messages tell which names).
-File-scope `static` variables are therefore local to each cell."""
+File-scope `static` variables are therefore local to each cell, and a file-scope variable must not have the name of a
+function of the C library (`error`, `index`): the library's is the first definition."""
 
 import os
 import re
