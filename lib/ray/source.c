@@ -63,6 +63,7 @@ static void frame(skf_source *s) {
     s->whole = p->arc.sweep >= 2 * SKF_PI;
   } else if (p->shape == SKF_TRIANGLE) {
     s->disc = s->element.kernel.type == SKF_INVERSE_SQUARED;
+    s->sheet = s->element.kernel.type == SKF_INVERSE;
   } else if (p->shape == SKF_PLANE) {
     s->a = p->plane.through;
     s->b = v3_unit(p->plane.normal);
@@ -121,6 +122,18 @@ double skf_source_disc(const skf_source *s, skf_vec3 x, double radius) {
     rho = fmin(rho, v3_dot(v3_sub(x, v[i]), inward) - radius);
   }
   return rho > 0 ? SKF_PI * log1p(rho * rho / (z * z)) * (1 - 1e-12) : 0;
+}
+
+double skf_source_steepness(const skf_source *s, skf_vec3 x, double radius) {
+  const skf_vec3 *v = s->element.primitive.triangle.vertices;
+  double sum = 2 * SKF_PI;
+  for (int i = 0; i < 3; i++) { /* an edge is worst beside its middle: 2 asinh(half / distance) */
+    skf_primitive edge = {.shape = SKF_SEGMENT, .segment = {v[i], v[(i + 1) % 3]}};
+    double d = skf_primitive_distance(&edge, x) * (1 - 1e-12) - radius;
+    if (!(d > 0)) return INFINITY;
+    sum += 2 * asinh(0.5 * v3_dist(v[i], v[(i + 1) % 3]) / d);
+  }
+  return sum * (1 + 1e-12);
 }
 
 /* Grade whose distance is the largest <= d; below the table: -1, beyond: grades. */

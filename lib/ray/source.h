@@ -21,7 +21,7 @@ typedef struct skf_source {
   /* frame of the distance: segment: from, direction, length; arc: e, f, n; plane: through, normal */
   skf_vec3 a, b, c;
   double length, cosine;
-  bool whole, disc; /* a full circle; skf_source_disc is of use */
+  bool whole, disc, sheet; /* a full circle; skf_source_disc, skf_source_steepness are of use */
   /* grades at unit, ... growing by eighths of octaves; none for points and planes */
   size_t grades;
   double unit;
@@ -44,5 +44,9 @@ skf_grade skf_source_grade(const skf_source *s, double near, double far);
 /* For triangles of the inverse-squared kernel, which is infinite on them: a lower bound of the field within `radius` of
    x, that of the disc around the foot of x inside the triangle. */
 double skf_source_disc(const skf_source *s, skf_vec3 x, double radius);
+
+/* For triangles of the inverse kernel, whose gradient jumps across them: an upper bound of its length within `radius`
+   of x. It is at most 2 pi across, and along the triangle the sum of the integrals of 1 / r over the edges. */
+double skf_source_steepness(const skf_source *s, skf_vec3 x, double radius);
 
 #endif

@@ -167,7 +167,7 @@ static skf_status query(const skf_tracer *t, const skf_ray *ray, skf_crossing_fn
 
 static skf_hit hit_at(skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
   skf_knot k = skf_walk_polish(w, a, b, guess);
-  return (skf_hit){k.t, k.at, v3_unit(v3_scale(-1, k.gradient)), b->f > a->f};
+  return (skf_hit){k.t, k.at, v3_unit(v3_sub(v3(0, 0, 0), k.gradient)), b->f > a->f};
 }
 
 typedef struct collector {

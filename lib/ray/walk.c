@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Cells and certificates. On a cell of length L the field is enclosed three times, each time at a higher price: by the
-   sources' distances alone; by the cubic through values and slopes at its ends, which is off by at most
-   L^4 / 384 max |f''''| or L^2 / 16 max |f''|, whichever is known to be less; by that cubic's slope, which is off by at
-   most sqrt(3) / 216 L^3 max |f''''| or 0.2516 L max |f''|. What is not decided then is halved. */
+/* Cells and certificates. On a cell of length L the field is enclosed several times, each time at a higher price: by
+   the sources' distances alone; by its ends and the most it can change between them; by the cubic through values and
+   slopes at its ends, which is off by at most L^4 / 384 max |f''''| or L^2 / 16 max |f''|, whichever is known to be
+   less; by that cubic's slope, which is off by at most sqrt(3) / 216 L^3 max |f''''| or 0.2516 L max |f''|. What is not
+   decided then is halved. */
 #include "ray/walk.h"
 #include "core/vec3.h"
 #include "ray/cubic.h"
@@ -47,6 +48,7 @@ void skf_walk_look(skf_walk *w, double t, skf_knot *k) {
 typedef struct cell {
   double lo, hi;       /* of F, by distances */
   double error, slope; /* of the cubic, and of its derivative by the unit parameter */
+  double change;       /* by which F can change along it */
 } cell;
 
 static cell enclose(const skf_walk *w, double a, double b) {
@@ -54,12 +56,12 @@ static cell enclose(const skf_walk *w, double a, double b) {
   double L = b - a, half = 0.5 * L;
   skf_vec3 p = v3_mad(w->origin, a + half, w->direction);
   double slack = 4 * DBL_EPSILON * (largest(p) + largest(w->origin));
-  cell c = {0, 0, 0, 0};
+  cell c = {0, 0, 0, 0, 0};
   for (size_t i = 0; i < tr->linear; i++) {
     const skf_source *s = tr->sources + i;
     double factor = -2 * SKF_PI * s->weight * w->side[i], dz = skf_source_descent(s, w->direction);
     double v = factor * v3_dot(v3_sub(p, s->a), s->b), r = fabs(factor * (half * fabs(dz) + slack));
-    c.lo += v - r, c.hi += v + r;
+    c.lo += v - r, c.hi += v + r, c.change += 2 * r;
   }
   for (size_t i = tr->linear; i < tr->n; i++) {
     const skf_source *s = tr->sources + i;
@@ -69,10 +71,12 @@ static cell enclose(const skf_walk *w, double a, double b) {
     double d = skf_source_distance(s, p), x = fabs(s->weight), L2 = along * L * along * L, L4 = L2 * L2;
     skf_grade g = skf_source_grade(s, fmax(d * (1 - 1e-12) - reach, 0), d * (1 + 1e-12) + reach);
     if (s->disc && d < s->reach) g.below = fmax(g.below, skf_source_disc(s, p, reach));
+    if (s->sheet && d < s->reach) g.above.slope = fmin(g.above.slope, skf_source_steepness(s, p, reach));
     double above = s->weight * g.above.value, below = s->weight * g.below;
     c.lo += s->weight > 0 ? below : above;
     c.hi += s->weight > 0 ? above : below;
     if (L2 == 0) continue; /* along the plane: constant */
+    c.change += x * along * L * g.above.slope;
     c.error += x * fmin(L4 / 384 * g.above.fourth, L2 / 16 * g.above.bend);
     c.slope += x * fmin(0.00801876 * L4 * g.above.fourth, 0.2516 * L2 * g.above.bend);
   }
@@ -94,6 +98,7 @@ static verdict judge(skf_walk *w, const skf_knot *a, const skf_knot *b, const ce
   *guess = 0.5 * (a->t + b->t);
   w->last = sb;
   if (isfinite(q[0]) && isfinite(q[3])) {
+    if (a->f * b->f > 0 && fabs(a->f) + fabs(b->f) > c->change + 2 * noise) return CLEAR;
     skf_cubic_range(q, &lo, &hi);
     if (lo > error || hi < -error) return CLEAR;
     if ((q[0] > 0) != (q[3] > 0)) *guess = a->t + L * skf_cubic_root(q);
@@ -121,7 +126,7 @@ bool skf_walk_piece(skf_walk *w, skf_knot *a, double end, skf_crossing_fn *found
     if (c.hi <= iso || c.lo >= iso) {
       w->last = c.hi <= iso ? -1 : 1;
       v = CLEAR;
-    } else if (floor || (c.error < INFINITY && c.error <= 0.125 * (c.hi - c.lo))) {
+    } else if (floor || (c.error < INFINITY && c.error <= 0.125 * (c.hi - c.lo)) || c.change < 0.25 * fabs(iso)) {
       if (!a->known) skf_walk_look(w, a->t, a);
       if (!b->known) skf_walk_look(w, b->t, b);
       v = judge(w, a, b, &c, floor, &guess);
