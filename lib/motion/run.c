@@ -7,8 +7,8 @@
 #include <string.h>
 #include <omp.h>
 
-/* At most this many states are held at a time (64 bytes each). */
-#define HELD 1000000
+/* At most about this many states (56 bytes each) are held at a time: what is interrupted loses little. */
+#define HELD 65536
 /* A run is cut into about this many windows, so that it can be watched, and what is done is written. */
 #define WINDOWS 64
 
@@ -115,9 +115,9 @@ static skf_status fly_window(runner *r, size_t i, size_t first, size_t count) {
     skf_status s = fly_to(r, i, t, log);
     if (!s) s = skf_flight_at(r->flights[i], t, r->rows + k * n + i);
     if (s) return s;
+    double share = ((double)i + ((double)k + 1) / (double)count) / (double)n;
+    watch(r, ((double)first + (double)count * share) / (double)r->row_count);
   }
-  double share = ((double)i + 1) / (double)n;
-  watch(r, ((double)first + (double)count * share) / (double)r->row_count);
   return SKF_OK;
 }
 
