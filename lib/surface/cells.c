@@ -32,29 +32,35 @@ static bool outside(const skf_box *b, skf_vec3 c, double r) {
          c.z - r > b->hi.z;
 }
 
-/* Sets keep for the cells whose enclosure holds iso. The second test is first order tight: |F(c) - iso| against the
-   bound of the gradient. */
+/* Whether F keeps away from iso in a ball: |F(c) - iso| against a bound of the gradient, which is first order tight. */
+static bool steep_enough(const skf_mesher *m, double F, double gradient, double r) {
+  return fabs(F - m->iso) > gradient * r * (1 + 1e-12);
+}
+
+/* Sets keep for the cells whose enclosure holds iso. The parent's bound of the gradient holds in the cell, too, and
+   decides most of them for the price of one value. */
 static skf_status decide(const skf_mesher *m, level *v, double size) {
   double r = 0.5 * sqrt(3) * size * (1 + 1e-12);
-#pragma omp parallel for schedule(dynamic, 64)
+  size_t n = 0;
   for (size_t i = 0; i < v->count; i++) {
     int x[3];
     skf_key_get(v->cell[i], x);
-    skf_vec3 c = v->center[i] = v3(m->lattice.origin.x + size * (x[0] + 0.5), m->lattice.origin.y + size * (x[1] + 0.5),
-                                   m->lattice.origin.z + size * (x[2] + 0.5));
-    v->keep[i] = 0;
+    skf_vec3 c = v3(m->lattice.origin.x + size * (x[0] + 0.5), m->lattice.origin.y + size * (x[1] + 0.5),
+                    m->lattice.origin.z + size * (x[2] + 0.5));
     if (outside(&m->region, c, 0.5 * size)) continue;
-    skf_bound b = skf_field_bound(m->field, c, r);
-    v->bound[i] = b.gradient;
-    v->keep[i] = !(b.hi < m->iso || b.lo > m->iso);
+    v->cell[n] = v->cell[i], v->bound[n] = v->bound[i], v->center[n++] = c;
   }
-  size_t n = 0;
-  for (size_t i = 0; i < v->count; i++)
-    if (v->keep[i]) v->cell[n] = v->cell[i], v->center[n] = v->center[i], v->bound[n++] = v->bound[i];
   v->count = n;
   skf_status s = skf_sample(m->field, n, v->center, v->F, NULL);
   if (s) return s;
-  for (size_t i = 0; i < n; i++) v->keep[i] = !(fabs(v->F[i] - m->iso) > v->bound[i] * r * (1 + 1e-12));
+#pragma omp parallel for schedule(dynamic, 64)
+  for (size_t i = 0; i < n; i++) {
+    v->keep[i] = 0;
+    if (steep_enough(m, v->F[i], v->bound[i], r)) continue;
+    skf_bound b = skf_field_bound(m->field, v->center[i], r);
+    v->bound[i] = fmin(b.gradient, v->bound[i]);
+    v->keep[i] = !(b.hi < m->iso || b.lo > m->iso) && !steep_enough(m, v->F[i], v->bound[i], r);
+  }
   return SKF_OK;
 }
 
@@ -70,6 +76,7 @@ static skf_status refine(const skf_mesher *m, level *v) {
     int x[3];
     skf_key_get(v->cell[i], x);
     for (int k = 0; k < 8; k++)
+      w.bound[w.count] = v->bound[i],
       w.cell[w.count++] = skf_key_of((int[3]){2 * x[0] + (k & 1), 2 * x[1] + (k >> 1 & 1), 2 * x[2] + (k >> 2)});
   }
   level_free(v);
@@ -80,7 +87,7 @@ static skf_status refine(const skf_mesher *m, level *v) {
 skf_status skf_mesher_cells(skf_mesher *m) {
   level v;
   if (!level_new(&v, 1)) return level_free(&v), SKF_ERR_NOMEM;
-  v.count = 1;
+  v.count = 1, v.bound[0] = INFINITY;
   skf_status s = SKF_OK;
   for (int d = 0; d <= m->lattice.depth && !s; d++) {
     if (skf_cancelled(m->progress, 0.3 * d / m->lattice.depth)) s = SKF_ERR_CANCELLED;
