@@ -18,6 +18,7 @@ const cli_command *const cli_commands[] = {
     &cmd_simulate,
     /* pictures */
     &cmd_map,
+    &cmd_render,
     /* surfaces */
     &cmd_mesh,
     &cmd_validate,

@@ -4,6 +4,7 @@
 #define SKELFIELD_SCENE_H
 
 #include "skelfield/motion.h"
+#include "skelfield/render.h"
 #include "skelfield/surface.h"
 
 #ifdef __cplusplus
@@ -55,18 +56,6 @@ typedef struct skf_simulation {
   double restitution, friction;
   char integrator[32]; /* name in the integrators' registry; empty: default */
 } skf_simulation;
-
-typedef struct skf_camera {
-  bool given;
-  skf_vec3 from, to, up;
-  double fov; /* vertical, radians */
-} skf_camera;
-
-typedef struct skf_light {
-  bool directional;
-  skf_vec3 at;     /* position, or direction towards the light */
-  double color[3]; /* linear RGB times intensity */
-} skf_light;
 
 typedef struct skf_scene {
   double G;

@@ -7,6 +7,7 @@
 #include "skelfield/skeleton.h"
 #include "skelfield/field.h"
 #include "skelfield/ray.h"
+#include "skelfield/render.h"
 #include "skelfield/motion.h"
 #include "skelfield/surface.h"
 #include "skelfield/scene.h"
