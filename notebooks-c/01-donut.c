@@ -158,17 +158,17 @@ nb_require(fabs(z0 - end.position.z) < 1e-9 * z0 && end.position.x == 0 && end.p
 // ## The bow
 //
 // A stranger orbit: it rises beside the planet, goes over the top, dives through the middle of the hole, rises on the
-// other side, and does the same back. Four times from start to middle is one turn, 22 156.628 s. The orbit is unstable,
-// like everything that threads the saddle: what is left out of its starting speed grows from turn to turn.
+// other side, and does the same back. Four times from start to middle is one turn, 22 156.628 s. By symmetry it closes;
+// its speed and its period, given here to ten digits, leave a third of a metre to each turn.
 
 // %%
 skf_state start = {.position = {1.8e7, 0, 0}, .velocity = {0, 0, 2180.766668}}, end;
 for (int turn = 1; turn <= 3; turn++) {
   skf_flight_report report = fly(start, turn * 22156.628, &end);
   double miss = sqrt(pow(end.position.x - start.position.x, 2) + pow(end.position.z, 2));
-  printf("after turn %d: %.3g km from the start, energy kept to %.1e\n", turn, miss / 1000, report.energy_drift);
+  printf("after turn %d: %.3g m from the start, energy kept to %.1e\n", turn, miss, report.energy_drift);
   nb_require(report.contacts == 0 && report.energy_drift < 1e-12);
-  if (turn == 1) nb_require(miss < 10);
+  nb_require(miss < 0.5 * turn);
 }
 
 // %% [markdown]
