@@ -15,11 +15,15 @@ static void topology(const skf_mesh_measure *q, section *s) {
   section_check(s, "no degenerate faces", q->degenerate == 0, "%zu triangles without area", q->degenerate);
 }
 
+static void outwards(bool sound, bool outward, section *s) {
+  section_check(s, "outwards", sound && outward, "%s",
+                !sound    ? "no inside to speak of: not a closed oriented mesh"
+                : outward ? "triangles run counter-clockwise seen from outside"
+                          : "triangles run clockwise seen from outside");
+}
+
 static void with_cgal(const skf_mesh_measure *q, const check_mesh_report *c, section *s) {
-  section_check(s, "outwards", c->outward && q->outward, "%s",
-                !q->closed || !q->oriented || !c->mesh ? "no inside to speak of: not a closed oriented mesh"
-                : c->outward && q->outward             ? "triangles run counter-clockwise seen from outside"
-                                                       : "triangles run clockwise seen from outside");
+  outwards(q->closed && q->oriented && c->mesh, c->outward && q->outward, s);
   section_check(s, "no self-intersections", c->self_intersections == 0, "%zu pairs of triangles (CGAL, exact)",
                 c->self_intersections);
   if (c->mesh && c->closed && c->self_intersections == 0)
@@ -37,7 +41,7 @@ static skf_status without_cgal(const skf_mesh *mesh, const skf_mesh_measure *q, 
   size_t crossings = 0;
   skf_status e = bad ? skf_mesh_crossings(mesh, bad, &crossings) : SKF_ERR_NOMEM;
   free(bad);
-  section_check(s, "outwards", q->outward, "by the sign of the volume");
+  outwards(q->closed && q->oriented, q->outward, s);
   section_check(s, "no self-intersections", crossings == 0, "%zu triangles cross or nearly cross another", crossings);
   section_note(s, "no CGAL", "this build has no CGAL: its exact checks are left out");
   return e;
