@@ -93,10 +93,10 @@ static int prepare(simulate *s) {
 
 static int open_outputs(simulate *s) {
   const char *path = cli_value(s->c, "output"), *contacts = cli_value(s->c, "contacts");
-  s->writer = trajectory_writer_for(path);
-  if (!s->writer) return CLI_BAD;
+  int status = trajectory_writer_for(path, &s->writer);
+  if (status != CLI_DONE) return status;
   s->table.track = s->geo != NULL;
-  int status = s->writer->open(&s->trajectory, path, &s->table);
+  status = s->writer->open(&s->trajectory, path, &s->table);
   if (status != CLI_DONE || !contacts) return status;
   status = cli_out_open(&s->contacts, contacts);
   s->log = status == CLI_DONE;

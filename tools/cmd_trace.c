@@ -90,7 +90,7 @@ static void write_hits(FILE *f, const skf_scene *scene, size_t ray, const crossi
 /* One batch: traced in parallel, written in order. */
 static int trace_batch(trace *t, size_t from, size_t n, crossings *batch, FILE *f) {
   skf_status status = SKF_OK;
-#pragma omp parallel for schedule(dynamic, 16)
+#pragma omp parallel for schedule(dynamic, 16) if (n > 16)
   for (size_t i = 0; i < n; i++) trace_ray(t, t->rows + 6 * (from + i), batch + i);
   for (size_t i = 0; i < n; i++) {
     if (batch[i].status) status = batch[i].status;

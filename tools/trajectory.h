@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Writers of trajectories: one file each, one row in the list, chosen by the ending of the file's name. */
+/* Writers of trajectories: one file each, one row in the list of formats, chosen by the ending of the file's name. */
 #ifndef SKF_TOOLS_TRAJECTORY_H
 #define SKF_TOOLS_TRAJECTORY_H
 
@@ -17,7 +17,6 @@ typedef struct run_place {
 } run_place;
 
 typedef struct trajectory_writer {
-  const char *ending, *doc;
   /* Each returns CLI_DONE, or another status after the message. path NULL or "-" is stdout. */
   int (*open)(void **self, const char *path, const trajectory_table *table);
   int (*row)(void *self, double t, const skf_state *states, const run_place *places); /* of all particles */
@@ -26,10 +25,11 @@ typedef struct trajectory_writer {
   void (*abort)(void *self);                                                          /* frees self */
 } trajectory_writer;
 
-extern const trajectory_writer trajectory_writer_csv, trajectory_writer_hdf5;
+extern const trajectory_writer trajectory_writer_csv;
 
-/* By the file's ending; CSV for stdout. NULL after the message for an ending that none has. */
-const trajectory_writer *trajectory_writer_for(const char *path);
+/* By the file's ending; CSV for stdout. CLI_BAD after the message for an ending that none has, CLI_FAILED where the
+   format's module is missing. */
+int trajectory_writer_for(const char *path, const trajectory_writer **out);
 
 /* The contract's contact log, one CSV row for each contact. */
 void contact_header(FILE *f);

@@ -56,24 +56,7 @@ static void abort_csv(void *self) {
   free(w);
 }
 
-const trajectory_writer trajectory_writer_csv = {
-    ".csv",   "t,particle,x,y,z,vx,vy,vz[,lat,lon,height], one row a particle and time",
-    open_csv, row_csv,
-    NULL,     commit_csv,
-    abort_csv};
-
-static const trajectory_writer *const writers[] = {&trajectory_writer_csv, &trajectory_writer_hdf5};
-
-const trajectory_writer *trajectory_writer_for(const char *path) {
-  if (!path || strcmp(path, "-") == 0) return &trajectory_writer_csv;
-  size_t n = strlen(path);
-  for (size_t i = 0; i < sizeof writers / sizeof *writers; i++) {
-    size_t m = strlen(writers[i]->ending);
-    if (n > m && strcmp(path + n - m, writers[i]->ending) == 0) return writers[i];
-  }
-  cli_fail(CLI_BAD, "%s: unknown ending of a trajectory, expected .csv or .h5", path);
-  return NULL;
-}
+const trajectory_writer trajectory_writer_csv = {open_csv, row_csv, NULL, commit_csv, abort_csv};
 
 void contact_header(FILE *f) { fputs("t,particle,body,x,y,z,nx,ny,nz,vx,vy,vz,outcome\n", f); }
 

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#ifdef SKF_HAVE_HDF5
 #include <hdf5.h>
 
 enum { SERIES = 4 }; /* t, position, velocity, place */
@@ -239,21 +238,6 @@ static int commit_hdf5(void *self) {
   return status;
 }
 
-#else
-
-static int open_hdf5(void **self, const char *path, const trajectory_table *table) {
-  (void)self, (void)table;
-  return cli_fail(CLI_FAILED, "%s: this build has no HDF5, expected a .csv file", path);
-}
-#define row_hdf5     NULL
-#define contact_hdf5 NULL
-#define commit_hdf5  NULL
-#define abort_hdf5   NULL
-
-#endif
-
-const trajectory_writer trajectory_writer_hdf5 = {
-    ".h5",        "HDF5: t, position, velocity, place, particles, bodies, contacts, scene",
-    open_hdf5,    row_hdf5,
-    contact_hdf5, commit_hdf5,
-    abort_hdf5};
+/* Found by this name in the module. */
+extern const trajectory_writer trajectory_module_hdf5;
+const trajectory_writer trajectory_module_hdf5 = {open_hdf5, row_hdf5, contact_hdf5, commit_hdf5, abort_hdf5};

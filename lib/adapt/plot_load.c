@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Finds and opens the drawing module, and lists the formats of picture files. */
+/* Opens the drawing module, and lists the formats of picture files. */
 #include "adapt/plot.h"
-#include <dlfcn.h>
-#include <limits.h>
+#include "adapt/module.h"
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
-#include <stdlib.h>
-#include <unistd.h>
 
 static const skf_picture_format formats[] = {
     {"png", "lossless, 8 bits", false},
@@ -36,58 +33,10 @@ const skf_picture_format *skf_picture_format_find(const char *path) {
 
 #ifdef SKF_HAVE_OPENCV
 
-/* Opens folder/module if that file exists. A module that exists but cannot be used leaves its reason in `error`. */
-static const skf_plot *open_in(const char *folder, size_t length, char error[256]) {
-  char path[PATH_MAX];
-  int n = snprintf(path, sizeof path, "%.*s/%s", (int)length, folder, SKF_PLOT_MODULE);
-  if (n < 0 || (size_t)n >= sizeof path || access(path, R_OK)) return NULL;
-  void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-  if (!handle) {
-    const char *why = dlerror();
-    return snprintf(error, 256, "the drawing module cannot be loaded: %.180s", why ? why : path), NULL;
-  }
-  const skf_plot *plot = dlsym(handle, SKF_PLOT_SYMBOL);
-  if (plot && plot->abi == SKF_PLOT_ABI) return plot;
-  snprintf(error, 256, "%.180s does not belong to this program", path);
-  dlclose(handle);
-  return NULL;
-}
-
-/* The folders of a list separated by colons. */
-static const skf_plot *open_listed(const char *list, char error[256]) {
-  const skf_plot *plot = NULL;
-  while (list && *list && !plot) {
-    size_t n = strcspn(list, ":");
-    if (n) plot = open_in(list, n, error);
-    list += n + (list[n] == ':');
-  }
-  return plot;
-}
-
-/* Relative to the program: beside it, the build's folder, the installed folder. */
-static const skf_plot *open_beside(char error[256]) {
-  static const char *const relative[] = {"", "/../lib/adapt", "/" SKF_MODULES_RELATIVE};
-  char self[PATH_MAX], folder[PATH_MAX + 256];
-  ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
-  if (n <= 0) return NULL;
-  self[n] = 0;
-  char *slash = strrchr(self, '/');
-  if (!slash) return NULL;
-  *slash = 0;
-  const skf_plot *plot = NULL;
-  for (size_t i = 0; i < sizeof relative / sizeof *relative && !plot; i++) {
-    int m = snprintf(folder, sizeof folder, "%s%s", self, relative[i]);
-    if (m > 0 && (size_t)m < sizeof folder) plot = open_in(folder, (size_t)m, error);
-  }
-  return plot;
-}
-
 const skf_plot *skf_plot_load(char error[256]) {
-  snprintf(error, 256, "the drawing module %s was not found; set SKELFIELD_MODULES to its folder", SKF_PLOT_MODULE);
-  const skf_plot *plot = open_listed(getenv("SKELFIELD_MODULES"), error);
-  if (!plot) plot = open_beside(error);
-  if (!plot) plot = open_in(SKF_MODULES_FOLDER, strlen(SKF_MODULES_FOLDER), error);
-  return plot;
+  const skf_plot *plot = skf_module_symbol(SKF_PLOT_MODULE, SKF_PLOT_SYMBOL, error);
+  if (!plot || plot->abi == SKF_PLOT_ABI) return plot;
+  return snprintf(error, 256, "%s belongs to another version of this program", SKF_PLOT_MODULE), NULL;
 }
 
 #else

@@ -175,7 +175,7 @@ static skf_status fly_all(runner *r, size_t window, skf_run_failure *failure) {
   size_t n = r->run->count;
   for (size_t first = 0; first < r->row_count; first += window) {
     size_t count = window < r->row_count - first ? window : r->row_count - first;
-#pragma omp parallel for schedule(dynamic, 1)
+#pragma omp parallel for schedule(dynamic, 1) if (n > 1)
     for (size_t i = 0; i < n; i++) r->status[i] = fly_window(r, i, first, count);
     skf_run_failure where = {0, INFINITY};
     skf_status bad = verdict(r, &where);
