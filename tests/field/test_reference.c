@@ -3,6 +3,7 @@
    from 40 digits. Triangles have their own. */
 #include "check.h"
 #include "core/vec3.h"
+#include "random.h"
 #include "skelfield/field.h"
 #include <string.h>
 
@@ -107,8 +108,24 @@ static errors conditioning(const row *r, const skf_field *f) {
   return worst;
 }
 
-static void test_table(void **state) {
-  (void)state;
+/* The same point among others near the body, in a place of the batch that depends on the row. */
+static double in_batch(const row *r, const skf_field *f, int number, skf_vec3 *g) {
+  enum { N = 11 };
+  double p[3][N], F[N], G[3][N],
+      d = fmax(size(&r->element.primitive), skf_primitive_distance(&r->element.primitive, r->x));
+  uint64_t seed = (uint64_t)number;
+  for (int i = 0; i < N; i++) {
+    skf_vec3 x = i == number % N ? r->x : v3_mad(r->x, d, rnd_vec(&seed, 1));
+    p[0][i] = x.x, p[1][i] = x.y, p[2][i] = x.z;
+  }
+  const double *const in[3] = {p[0], p[1], p[2]};
+  double *const out[3] = {G[0], G[1], G[2]};
+  assert_int_equal(skf_field_eval(f, N, in, F, out, NULL), SKF_OK);
+  *g = v3(G[0][number % N], G[1][number % N], G[2][number % N]);
+  return F[number % N];
+}
+
+static void check_table(bool batch) {
   FILE *in = open_shared("public_1d.csv");
   if (!in) {
     print_message("public_1d.csv is not here: skipped\n");
@@ -124,7 +141,7 @@ static void test_table(void **state) {
     skf_field *f;
     assert_int_equal(skf_field_new(&r.element, 1, &f), SKF_OK);
     skf_vec3 g;
-    double F = skf_field_at(f, r.x, &g);
+    double F = batch ? in_batch(&r, f, rows, &g) : skf_field_at(f, r.x, &g);
     errors e = compare(&r, F, g);
     skf_kernel_type k = r.element.kernel.type;
     skf_shape s = r.element.primitive.shape;
@@ -157,7 +174,17 @@ static void test_table(void **state) {
   assert_int_equal(failed, 0);
 }
 
+static void test_points(void **state) {
+  (void)state;
+  check_table(false);
+}
+
+static void test_batches(void **state) {
+  (void)state;
+  check_table(true);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_table)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_points), cmocka_unit_test(test_batches)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

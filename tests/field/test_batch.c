@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: MIT */
+/* Batches: every instruction set against the closed forms, in any place of any batch, on any number of threads. */
+#include "check.h"
+#include "core/vec3.h"
+#include "field/batch.h"
+#include "random.h"
+#include "skelfield/field.h"
+#include <omp.h>
+#include <string.h>
+
+static const char *const isas[] = {"scalar", "avx2"};
+enum { ISAS = 2, POINTS = 512 };
+
+typedef struct cloud {
+  double p[3][POINTS], F[POINTS], g[3][POINTS];
+} cloud;
+
+static skf_field *make(const char *isa, const skf_element *e, size_t n) {
+  skf_field *f;
+  setenv("SKELFIELD_ISA", isa, 1);
+  assert_int_equal(skf_field_new(e, n, &f), SKF_OK);
+  unsetenv("SKELFIELD_ISA");
+  return f;
+}
+
+static void eval(const skf_field *f, size_t from, size_t n, cloud *c) {
+  const double *const in[3] = {c->p[0] + from, c->p[1] + from, c->p[2] + from};
+  double *const g[3] = {c->g[0] + from, c->g[1] + from, c->g[2] + from};
+  assert_int_equal(skf_field_eval(f, n, in, c->F + from, g, NULL), SKF_OK);
+}
+
+static skf_vec3 place(const cloud *c, size_t i) { return v3(c->p[0][i], c->p[1][i], c->p[2][i]); }
+static skf_vec3 slope(const cloud *c, size_t i) { return v3(c->g[0][i], c->g[1][i], c->g[2][i]); }
+
+/* A third anywhere, a third at any distance from the body between 1e-9 and 1e4 of the scale, the rest on its axis
+   or plane, on itself, or at the same place in each coordinate as an end. */
+static void scatter(uint64_t *seed, const skf_primitive *p, double scale, cloud *c) {
+  for (size_t i = 0; i < POINTS; i++) {
+    skf_vec3 on = skf_primitive_point(p, rnd(seed, 0, 1), rnd(seed, 0, 1)), x = rnd_vec(seed, 2 * scale);
+    if (i % 3 == 1) x = v3_mad(on, scale * pow(10, rnd(seed, -9, 4)), rnd_unit(seed));
+    if (i % 6 == 2)
+      x = v3_mad(on, rnd(seed, -2, 2), v3_sub(skf_primitive_point(p, 1, 0), skf_primitive_point(p, 0, 0)));
+    if (i % 24 == 5) x = on;
+    for (int k = 0; k < 3; k++) c->p[k][i] = v3_get(x, k);
+  }
+}
+
+static double extent(const skf_primitive *p) {
+  return p->shape == SKF_PLANE ? 0 : box_diagonal(skf_primitive_bounds(p));
+}
+
+/* The differences of F and the gradient over |F| and max(|g|, |F| / distance), each per unit of the field's own
+   conditioning there: how many times its relative change exceeds that of the point. */
+static double difference(const skf_primitive *p, const cloud *a, const cloud *b, size_t i) {
+  double d = fmax(extent(p), skf_primitive_distance(p, place(a, i))), F = fabs(a->F[i]);
+  skf_vec3 off = v3_sub(slope(b, i), slope(a, i));
+  if (a->F[i] == b->F[i] && off.x == 0 && off.y == 0 && off.z == 0) return 0;
+  if (!(F > 1e-290)) return !(fabs(b->F[i]) < 2e-290);
+  double G = fmax(d * v3_norm(v3_scale(1 / F, slope(a, i))), 1), g = d * v3_norm(v3_scale(1 / F, off)) / G;
+  return fmax(fabs(b->F[i] - a->F[i]) / F, g) / (1 + G);
+}
+
+/* The bound that field.h states */
+#define ULPS 20
+
+static void test_isas(void **state) {
+  (void)state;
+  uint64_t seed = 11;
+  static cloud a, b;
+  int vector = 0;
+  for (int k = 0; k < SKF_KERNEL_COUNT; k++)
+    for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
+      double worst = 0;
+      skf_vec3 where = {0, 0, 0};
+      skf_element body;
+      if (!skf_batch_get(SKF_ISA_AVX2)->pair[k][s]) continue;
+      vector++;
+      for (int n = 0; n < 30; n++) {
+        double scale = n % 3 == 0 ? 1 : n % 3 == 1 ? 1e7 : 1e-7;
+        skf_element e = {.kernel = {(skf_kernel_type)k, 1.5 * pow(10, rnd(&seed, -1, 1))}, .strength = 1};
+        e.kernel.param *= skf_kernel_get(e.kernel.type)->compact ? scale : 1 / scale;
+        rnd_primitive(&seed, (skf_shape)s, scale, &e.primitive);
+        scatter(&seed, &e.primitive, scale, &a);
+        memcpy(&b, &a, sizeof a);
+        skf_field *fa = make(isas[0], &e, 1), *fb = make(isas[1], &e, 1);
+        eval(fa, 0, POINTS, &a);
+        eval(fb, 0, POINTS, &b);
+        for (size_t i = 0; i < POINTS; i++) {
+          double d = difference(&e.primitive, &a, &b, i);
+          if (d <= worst) continue;
+          worst = d, where = place(&a, i), body = e;
+        }
+        skf_field_free(fa);
+        skf_field_free(fb);
+      }
+      print_message("%-16s %-9s %.0f ulps\n", skf_kernel_get((skf_kernel_type)k)->name,
+                    skf_shape_get((skf_shape)s)->name, worst / 1.1e-16);
+      if (!(worst <= ULPS * 1.1e-16))
+        fail_msg("at (%.17g, %.17g, %.17g), %g from the body", where.x, where.y, where.z,
+                 skf_primitive_distance(&body.primitive, where));
+    }
+  if (!vector) print_message("no vector instructions here: only the closed forms\n");
+}
+
+/* All pairs, some twice. */
+static size_t everything(uint64_t *seed, skf_element *e) {
+  size_t n = 0;
+  for (int k = 0; k < SKF_KERNEL_COUNT; k++)
+    for (int s = 0; s < SKF_SHAPE_COUNT; s++, n++) {
+      e[n] = (skf_element){.kernel = {(skf_kernel_type)k, 1.5}, .strength = rnd(seed, -1, 1)};
+      rnd_primitive(seed, (skf_shape)s, 1, &e[n].primitive);
+    }
+  return n;
+}
+
+/* The same bits for a point alone, in batches of any length that begin anywhere, and on any number of threads. */
+static void test_place(void **state) {
+  (void)state;
+  uint64_t seed = 12;
+  static cloud a, b;
+  skf_element e[SKF_KERNEL_COUNT * SKF_SHAPE_COUNT];
+  size_t n = everything(&seed, e);
+  scatter(&seed, &e[SKF_SEGMENT].primitive, 1, &a);
+  memcpy(&b, &a, sizeof a);
+  int threads = omp_get_max_threads();
+  for (int i = 0; i < ISAS; i++) {
+    skf_field *f = make(isas[i], e, n);
+    eval(f, 0, POINTS, &a);
+    omp_set_num_threads(3);
+    eval(f, 0, POINTS, &b);
+    omp_set_num_threads(threads);
+    assert_memory_equal(&a, &b, sizeof a);
+    memset(b.F, 0, sizeof b.F);
+    for (size_t from = 0, length = 1; from < POINTS; from += length, length = 1 + (length * 5 + 2) % 23)
+      eval(f, from, length < POINTS - from ? length : POINTS - from, &b);
+    assert_memory_equal(&a, &b, sizeof a);
+    skf_field_free(f);
+  }
+}
+
+/* Without vector instructions a batch is the single point, bit for bit; the Hessian always is. */
+static void test_scalar(void **state) {
+  (void)state;
+  uint64_t seed = 13;
+  static cloud a;
+  static double h[6][POINTS];
+  skf_element e[SKF_KERNEL_COUNT * SKF_SHAPE_COUNT];
+  size_t n = everything(&seed, e);
+  scatter(&seed, &e[SKF_SEGMENT].primitive, 1, &a);
+  const double *const in[3] = {a.p[0], a.p[1], a.p[2]};
+  double *const g[3] = {a.g[0], a.g[1], a.g[2]}, *const H[6] = {h[0], h[1], h[2], h[3], h[4], h[5]};
+  for (int t = 0; t < ISAS; t++) {
+    skf_field *f = make(isas[t], e, n);
+    assert_int_equal(skf_field_eval(f, POINTS, in, a.F, g, H), SKF_OK);
+    for (size_t i = 0; i < POINTS; i++) {
+      double want[6];
+      skf_vec3 G;
+      double F = skf_field_tensor_at(f, place(&a, i), &G, want);
+      for (int k = 0; k < 6; k++) assert_true(want[k] == h[k][i]);
+      if (t == 0) assert_true(F == a.F[i] && G.x == a.g[0][i] && G.y == a.g[1][i] && G.z == a.g[2][i]);
+    }
+    skf_field_free(f);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_isas), cmocka_unit_test(test_place),
+                                     cmocka_unit_test(test_scalar)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
