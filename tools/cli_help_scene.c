@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a scene file may hold, from the reader's tables and the registries. */
 #include "cli_private.h"
-#include "scene/reader.h"
+#include "scene/skeleton.h"
 
 static void put_key(FILE *f, const char *name, bool required, const char *form, const char *doc, const char *unit) {
   fprintf(f, "  %-12s %c %-30s %s", name, required ? '*' : ' ', form, doc);
@@ -39,6 +39,7 @@ void cli_help_scene(FILE *f) {
   put_key(f, "strength", false, "a finite number, not 0", "factor of its field (default: 1)", "1");
   put_key(f, "kernel", false, "{type: ...}", "instead of the body's", NULL);
   for (int i = 0; i < SKF_SHAPE_COUNT; i++) put_shape(f, skf_shape_get((skf_shape)i));
+  for (int i = 0; i < SKF_COMPOUND_COUNT; i++) put_section(f, &skf_compounds[i].section);
   fputs("\nkernel: h(r), by its type and its parameter\n", f);
   for (int i = 0; i < SKF_KERNEL_COUNT; i++) {
     const skf_kernel_info *k = skf_kernel_get((skf_kernel_type)i);

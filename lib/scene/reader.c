@@ -101,7 +101,7 @@ static skf_status read_three(skf_reader *r, const skf_node *node, const skf_key 
   return s;
 }
 
-static skf_status read_vector(skf_reader *r, const skf_node *node, const skf_key *key, skf_vec3 *out) {
+skf_status skf_read_vector(skf_reader *r, const skf_node *node, const skf_key *key, skf_vec3 *out) {
   double x[3];
   skf_status s = read_three(r, node, key, x);
   if (!s) *out = v3(x[0], x[1], x[2]);
@@ -117,7 +117,7 @@ static skf_status read_vectors(skf_reader *r, const skf_node *node, const skf_ke
     return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "%s has %d entries, expected %s", key->name, node->count,
                          form);
   const skf_node *n = skf_node_first(&r->yaml, node);
-  for (int i = 0; i < key->count && !s; i++, n = skf_node_next(&r->yaml, n)) s = read_vector(r, n, key, out + i);
+  for (int i = 0; i < key->count && !s; i++, n = skf_node_next(&r->yaml, n)) s = skf_read_vector(r, n, key, out + i);
   return s;
 }
 
@@ -156,7 +156,7 @@ static skf_status read_value(skf_reader *r, const skf_node *value, const skf_key
   switch (key->type) {
   case SKF_KEY_NUMBER:
   case SKF_KEY_ANGLE: return skf_read_number(r, value, key, at);
-  case SKF_KEY_VECTOR: return read_vector(r, value, key, at);
+  case SKF_KEY_VECTOR: return skf_read_vector(r, value, key, at);
   case SKF_KEY_VECTORS: return read_vectors(r, value, key, at);
   case SKF_KEY_COLOR: return read_three(r, value, key, at);
   case SKF_KEY_NAME: return skf_read_name(r, value, key, at);

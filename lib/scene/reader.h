@@ -10,6 +10,7 @@ typedef struct skf_reader {
   skf_yaml yaml;
   skf_error *error;
   skf_scene *scene;
+  const char *folder; /* file names are relative to it */
 } skf_reader;
 
 typedef enum skf_key_type {
@@ -64,6 +65,7 @@ const char *skf_key_form(const skf_key *key, char *text, size_t size);
 /* SKF_ERR_PARSE after the message unless the node is of the type. */
 skf_status skf_expect(skf_reader *r, const skf_node *node, skf_node_type type, const char *name, const char *form);
 skf_status skf_read_number(skf_reader *r, const skf_node *node, const skf_key *key, double *out);
+skf_status skf_read_vector(skf_reader *r, const skf_node *node, const skf_key *key, skf_vec3 *out);
 skf_status skf_read_name(skf_reader *r, const skf_node *node, const skf_key *key, char **out);
 
 /* The value of a key in a map, or NULL. */

@@ -114,12 +114,11 @@ static skf_status read_scene(skf_reader *r) {
 }
 
 skf_status skf_scene_parse(const char *text, size_t length, const char *folder, skf_scene **out, skf_error *error) {
-  (void)folder;
   *out = NULL;
   if (error) *error = (skf_error){0};
   if (length > LARGEST)
     return skf_error_set(error, SKF_ERR_RANGE, 0, "larger than %d MB, expected a scene", LARGEST >> 20);
-  skf_reader r = {.error = error, .scene = skf_alloc(1, sizeof *r.scene)};
+  skf_reader r = {.error = error, .scene = skf_alloc(1, sizeof *r.scene), .folder = folder ? folder : "."};
   if (!r.scene) return skf_error_set(error, SKF_ERR_NOMEM, 0, "out of memory");
   *r.scene = (skf_scene){
       .G = 6.67430e-11, /* CODATA 2018 [m^3 kg^-1 s^-2] */

@@ -32,25 +32,20 @@ skf_status skf_read_kernel(skf_reader *r, const skf_node *map, skf_kernel *out) 
   return skf_read_map(r, map, &(skf_section){name, NULL, keys, info->param ? 2 : 1}, out, NULL);
 }
 
-/* An element while it is read. */
-typedef struct draft {
-  skf_element element;
-  skf_default_kernel kernel;
-} draft;
-
 static skf_status read_own_kernel(skf_reader *r, const skf_node *map, void *into) {
-  draft *d = into;
-  d->kernel.given = true;
-  return skf_read_kernel(r, map, &d->kernel.kernel);
+  skf_entry *e = into;
+  e->kernel.given = true;
+  return skf_read_kernel(r, map, &e->kernel.kernel);
 }
 
-enum { SHAPE_KEYS = 12 };
+enum { ENTRY_KEYS = 12, KINDS = SKF_SHAPE_COUNT + SKF_COMPOUND_COUNT };
 
-typedef struct shape_table {
+/* The keys of one kind of entry: a primitive's, or a compound's. */
+typedef struct entry_table {
   skf_section section;
-  skf_key keys[SHAPE_KEYS];
-  skf_range ranges[SHAPE_KEYS];
-} shape_table;
+  skf_key keys[ENTRY_KEYS];
+  skf_range ranges[ENTRY_KEYS];
+} entry_table;
 
 static const skf_key_type key_types[] = {
     [SKF_PARAM_NUMBER] = SKF_KEY_NUMBER,
@@ -59,11 +54,20 @@ static const skf_key_type key_types[] = {
     [SKF_PARAM_VECTORS] = SKF_KEY_VECTORS,
 };
 
-/* The registry's parameters, then strength and kernel. */
-static void make_table(skf_shape shape, shape_table *t) {
-  const skf_shape_info *info = skf_shape_get(shape);
+static const char *kind_name(int kind) {
+  return kind < SKF_SHAPE_COUNT ? skf_shape_get((skf_shape)kind)->name
+                                : skf_compounds[kind - SKF_SHAPE_COUNT].section.name;
+}
+
+static int own_keys(int kind, entry_table *t) {
   int n = 0;
-  for (; n < info->param_count && n < SHAPE_KEYS - 2; n++) {
+  if (kind >= SKF_SHAPE_COUNT) {
+    const skf_section *own = &skf_compounds[kind - SKF_SHAPE_COUNT].section;
+    for (; n < own->count; n++) t->keys[n] = own->keys[n];
+    return n;
+  }
+  const skf_shape_info *info = skf_shape_get((skf_shape)kind);
+  for (; n < info->param_count && n < ENTRY_KEYS - 2; n++) {
     const skf_param *p = info->params + n;
     double unit = p->type == SKF_PARAM_ANGLE ? 180 / SKF_PI : 1;
     t->ranges[n] = (skf_range){p->above * unit, p->upto * unit, true};
@@ -72,20 +76,26 @@ static void make_table(skf_shape shape, shape_table *t) {
                            .doc = p->doc,
                            .type = key_types[p->type],
                            .required = true,
-                           .offset = offsetof(draft, element.primitive) + p->offset,
+                           .offset = offsetof(skf_entry, element.primitive) + p->offset,
                            .range = t->ranges + n,
                            .count = p->count};
   }
-  t->keys[n++] = (skf_key){.name = "strength", .type = SKF_KEY_NUMBER, .offset = offsetof(draft, element.strength)};
+  return n;
+}
+
+/* The kind's own keys, then strength and kernel. */
+static void make_table(int kind, entry_table *t) {
+  int n = own_keys(kind, t);
+  t->keys[n++] = (skf_key){.name = "strength", .type = SKF_KEY_NUMBER, .offset = offsetof(skf_entry, element.strength)};
   t->keys[n++] = (skf_key){.name = "kernel", .type = SKF_KEY_OTHER, .read = read_own_kernel};
-  t->section = (skf_section){info->name, info->doc, t->keys, n};
+  t->section = (skf_section){kind_name(kind), NULL, t->keys, n};
 }
 
 static skf_status one_kind(skf_reader *r, const skf_node *entry, long line) {
-  char list[96] = "";
-  for (int i = 0; i < SKF_SHAPE_COUNT; i++) {
+  char list[128] = "";
+  for (int i = 0; i < KINDS; i++) {
     size_t n = strlen(list);
-    snprintf(list + n, sizeof list - n, "%s%s", i ? ", " : "", skf_shape_get((skf_shape)i)->name);
+    snprintf(list + n, sizeof list - n, "%s%s", i ? ", " : "", kind_name(i));
   }
   const skf_node *first = entry->type == SKF_NODE_MAP ? skf_node_first(&r->yaml, entry) : NULL;
   if (entry->type == SKF_NODE_MAP && entry->count > 1)
@@ -97,57 +107,74 @@ static skf_status one_kind(skf_reader *r, const skf_node *entry, long line) {
   return skf_error_set(r->error, SKF_ERR_PARSE, line, "a skeleton entry without a kind, expected one of %s", list);
 }
 
-static int find_shape(const char *name) {
+static int find_kind(const char *name) {
   int i = 0;
-  while (i < SKF_SHAPE_COUNT && strcmp(skf_shape_get((skf_shape)i)->name, name) != 0) i++;
+  while (i < KINDS && strcmp(kind_name(i), name) != 0) i++;
   return i;
 }
 
-/* What the numbers mean together. */
-static skf_status check(skf_reader *r, const draft *d, const shape_table *table, const skf_node *kind,
-                        const skf_node *value) {
-  const char *why;
-  skf_status s = skf_primitive_check(&d->element.primitive, &why);
-  if (s) return skf_error_set(r->error, s, kind->line, "%s, expected a proper %s", why, table->section.name);
-  if (d->element.primitive.shape != SKF_PLANE && !isfinite(skf_primitive_measure(&d->element.primitive)))
-    return skf_error_set(r->error, SKF_ERR_RANGE, kind->line, "measure of the %s overflows, expected smaller numbers",
-                         table->section.name);
-  if (d->element.strength == 0)
-    return skf_error_set(r->error, SKF_ERR_RANGE, skf_map_line(r, value, "strength"),
-                         "strength is 0, expected another number (a primitive of strength 0 is none)");
-  if (d->kernel.given) return SKF_OK;
-  return skf_error_set(r->error, SKF_ERR_PARSE, kind->line,
-                       "no kernel for this %s, expected 'kernel' in it or in its body", table->section.name);
+static skf_status grow(skf_reader *r, skf_pieces *into) {
+  skf_body *b = into->body;
+  size_t n = 2 * into->capacity + 8;
+  skf_element *elements = skf_realloc(b->elements, n, sizeof *elements);
+  if (elements) b->elements = elements;
+  long *lines = elements ? skf_realloc(b->element_lines, n, sizeof *lines) : NULL;
+  if (!lines) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+  b->element_lines = lines;
+  into->capacity = n;
+  return SKF_OK;
 }
 
-static skf_status read_entry(skf_reader *r, const skf_node *entry, const shape_table *tables,
-                             const skf_default_kernel *kernel, skf_element *out) {
-  const skf_node *kind = entry->type == SKF_NODE_MAP ? skf_node_first(&r->yaml, entry) : NULL;
-  if (!kind) return one_kind(r, entry, entry->line);
-  const skf_node *value = skf_node_next(&r->yaml, kind), *second = skf_node_next(&r->yaml, value);
-  if (second) return one_kind(r, entry, second->line);
-  int shape = kind->type == SKF_NODE_SCALAR ? find_shape(skf_node_text(&r->yaml, kind)) : SKF_SHAPE_COUNT;
-  if (shape == SKF_SHAPE_COUNT) return one_kind(r, entry, kind->line);
-  draft d = {.element = {.primitive = {.shape = (skf_shape)shape}, .strength = 1}, .kernel = *kernel};
-  skf_status s = skf_read_map(r, value, &tables[shape].section, &d, NULL);
-  if (!s) s = check(r, &d, tables + shape, kind, value);
-  if (s) return s;
-  *out = d.element;
-  out->kernel = d.kernel.kernel;
+skf_status skf_add_piece(skf_reader *r, const skf_entry *e, const skf_primitive *p, skf_pieces *into) {
+  const char *why;
+  skf_body *b = into->body;
+  skf_status s = skf_primitive_check(p, &why);
+  if (s) return skf_error_set(r->error, s, e->kind->line, "%s, expected a proper %s", why, e->name);
+  if (p->shape != SKF_PLANE && !isfinite(skf_primitive_measure(p)))
+    return skf_error_set(r->error, SKF_ERR_RANGE, e->kind->line,
+                         "measure of the %s overflows, expected smaller numbers", e->name);
+  if (b->element_count == into->capacity && (s = grow(r, into))) return s;
+  b->element_lines[b->element_count] = e->kind->line;
+  b->elements[b->element_count++] = (skf_element){*p, e->kernel.kernel, e->element.strength};
   return SKF_OK;
+}
+
+/* What all kinds of entries share. */
+static skf_status check_entry(skf_reader *r, const skf_entry *e, const skf_node *value) {
+  if (e->element.strength == 0)
+    return skf_error_set(r->error, SKF_ERR_RANGE, skf_map_line(r, value, "strength"),
+                         "strength is 0, expected another number (a primitive of strength 0 is none)");
+  if (e->kernel.given) return SKF_OK;
+  return skf_error_set(r->error, SKF_ERR_PARSE, e->kind->line,
+                       "no kernel for this %s, expected 'kernel' in it or in its body", e->name);
+}
+
+static skf_status read_entry(skf_reader *r, const skf_node *entry, const entry_table *tables,
+                             const skf_default_kernel *kernel, skf_pieces *into) {
+  const skf_node *word = entry->type == SKF_NODE_MAP ? skf_node_first(&r->yaml, entry) : NULL;
+  if (!word) return one_kind(r, entry, entry->line);
+  const skf_node *value = skf_node_next(&r->yaml, word), *second = skf_node_next(&r->yaml, value);
+  if (second) return one_kind(r, entry, second->line);
+  int kind = word->type == SKF_NODE_SCALAR ? find_kind(skf_node_text(&r->yaml, word)) : KINDS;
+  if (kind == KINDS) return one_kind(r, entry, word->line);
+  bool simple = kind < SKF_SHAPE_COUNT;
+  skf_entry e = {.element = {.primitive.shape = simple ? (skf_shape)kind : SKF_POINT, .strength = 1},
+                 .kernel = *kernel,
+                 .name = kind_name(kind),
+                 .kind = word};
+  skf_status s = skf_read_map(r, value, &tables[kind].section, &e, NULL);
+  if (!s) s = check_entry(r, &e, value);
+  if (s) return s;
+  return simple ? skf_add_piece(r, &e, &e.element.primitive, into)
+                : skf_compounds[kind - SKF_SHAPE_COUNT].expand(r, &e, into);
 }
 
 skf_status skf_read_skeleton(skf_reader *r, const skf_node *list, const skf_default_kernel *kernel, skf_body *body) {
-  shape_table tables[SKF_SHAPE_COUNT];
-  for (int i = 0; i < SKF_SHAPE_COUNT; i++) make_table((skf_shape)i, tables + i);
-  body->elements = skf_alloc((size_t)list->count, sizeof *body->elements);
-  body->element_lines = skf_alloc((size_t)list->count, sizeof *body->element_lines);
-  if (!body->elements || !body->element_lines) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
-  for (const skf_node *n = skf_node_first(&r->yaml, list); n; n = skf_node_next(&r->yaml, n)) {
-    size_t i = body->element_count++;
-    body->element_lines[i] = n->line;
-    skf_status s = read_entry(r, n, tables, kernel, body->elements + i);
-    if (s) return s;
-  }
-  return SKF_OK;
+  entry_table tables[KINDS];
+  skf_pieces pieces = {body, 0};
+  skf_status s = SKF_OK;
+  for (int i = 0; i < KINDS; i++) make_table(i, tables + i);
+  for (const skf_node *n = skf_node_first(&r->yaml, list); n && !s; n = skf_node_next(&r->yaml, n))
+    s = read_entry(r, n, tables, kernel, &pieces);
+  return s;
 }

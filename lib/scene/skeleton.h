@@ -12,6 +12,34 @@ typedef struct skf_default_kernel {
 
 skf_status skf_read_kernel(skf_reader *r, const skf_node *map, skf_kernel *out);
 
+/* An entry of a skeleton while it is read. */
+typedef struct skf_entry {
+  skf_element element; /* the primitive, or what all its pieces share */
+  skf_default_kernel kernel;
+  const char *name;            /* of its kind */
+  const skf_node *kind, *list; /* where the kind stands; the list of points of a compound */
+  const skf_node *file;
+  bool closed;
+} skf_entry;
+
+/* The elements of a body, as they grow. */
+typedef struct skf_pieces {
+  skf_body *body;
+  size_t capacity;
+} skf_pieces;
+
+/* Checks the primitive and appends it with the entry's kernel, strength and line. */
+skf_status skf_add_piece(skf_reader *r, const skf_entry *e, const skf_primitive *p, skf_pieces *into);
+
+/* A kind of entry that stands for several primitives. */
+typedef struct skf_compound {
+  skf_section section; /* offsets are into skf_entry */
+  skf_status (*expand)(skf_reader *r, const skf_entry *e, skf_pieces *into);
+} skf_compound;
+
+enum { SKF_COMPOUND_COUNT = 4 };
+extern const skf_compound skf_compounds[SKF_COMPOUND_COUNT];
+
 /* Fills body->elements and body->element_lines from a list that is not empty. */
 skf_status skf_read_skeleton(skf_reader *r, const skf_node *list, const skf_default_kernel *kernel, skf_body *body);
 

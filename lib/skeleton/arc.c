@@ -10,6 +10,10 @@ skf_arc_axes skf_arc_frame(const skf_arc *a) {
   return x;
 }
 
+skf_arc skf_arc_circle(skf_vec3 center, skf_vec3 normal, double radius) {
+  return (skf_arc){center, normal, v3_perp(v3_unit(normal)), radius, 2 * SKF_PI};
+}
+
 static const char *degenerate(const skf_primitive *p) {
   skf_vec3 n = v3_unit(p->arc.normal), s = v3_unit(p->arc.start);
   if (!(v3_norm(n) > 0)) return "arc with a zero normal";

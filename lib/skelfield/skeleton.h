@@ -90,6 +90,16 @@ SKF_API skf_box skf_primitive_bounds(const skf_primitive *p);
 /* A point of the primitive: s, t in [0, 1]. Points ignore both, segments and arcs t; planes give `through`. */
 SKF_API skf_vec3 skf_primitive_point(const skf_primitive *p, double s, double t);
 
+/* The full circle as an arc, which starts in a direction that depends on the normal alone. */
+SKF_API skf_arc skf_arc_circle(skf_vec3 center, skf_vec3 normal, double radius);
+
+/* Cuts a simple polygon, convex or not, into n - 2 triangles with the polygon's orientation; collinear vertices are
+   used, too. Vertices may be off their plane by 1e-6 of the extent. Takes O(n^2 log n) typically. SKF_ERR_DEGENERATE
+   (not planar, no area, edges that touch or cross) or SKF_ERR_RANGE: *why, if given, tells what is wrong, *where at
+   which vertex. */
+SKF_API skf_status skf_polygon_triangulate(const skf_vec3 *vertices, size_t n, unsigned (*triangles)[3],
+                                           const char **why, size_t *where);
+
 #ifdef __cplusplus
 }
 #endif

@@ -55,10 +55,43 @@ assert s["particles"][0]["velocity"] == [4, 5, 6] and s["simulation"]["contact"]
 END
 fi
 expect_out "numbers carry 17 digits" '"density": 1.7142857142857142'
+write square.off <<'END'
+OFF
+4 1 0
+0 0 0
+1 0 0
+1 1 0
+0 1 0
+4 0 1 2 3
+END
+write pieces.yaml <<'END'
+skelfield: 1
+bodies:
+  - name: pieces
+    iso: 1
+    kernel: {type: cauchy, s: 1}
+    skeleton:
+      - circle: {center: [0, 0, 0], normal: [0, 0, 1], radius: 1}
+      - polyline: {points: [[0, 0, 0], [1, 0, 0], [1, 2, 0]], closed: false}
+      - polygon: {vertices: [[0, 0, 0], [2, 0, 0], [2, 1, 0], [1, 1, 0], [1, 3, 0], [0, 3, 0]]}
+      - mesh: {file: square.off}
+END
+run info pieces.yaml
+expect_status "info of compounds" 0
+expect_out "the pieces are counted" '2 segments \(length 3\), 1 arc \(length 6\.28318.*\), 6 triangles \(area 5\)'
+mkdir below
+mv pieces.yaml square.off below
+run info below/pieces.yaml
+expect_status "the mesh is beside the scene" 0
+rm below/square.off
+run info below/pieces.yaml
+expect_refused "a mesh that is gone" 'below/pieces.yaml:10: mesh square.off: No such file'
+
 run info scene.yaml --json -o info.json
 expect_file "JSON in a file" info.json
 run help scene
 expect_out "the help knows the primitives" '^arc: circular'
+expect_out "and what stands for several" '^polyline: segments'
 expect_out "and the kernels" 'inverse-squared +1 / r\^2'
 for name in "$data"/*.yaml; do
   run info "$name" --json

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: MIT */
+/* Entries of a skeleton that stand for several primitives: circle, polyline, polygon, mesh. */
+#include "scene/skeleton.h"
+#include "core/alloc.h"
+#include "core/vec3.h"
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const char points_form[] = "a list of points [x, y, z]";
+
+static skf_status keep_list(skf_reader *r, const skf_node *value, void *into) {
+  ((skf_entry *)into)->list = value;
+  return skf_expect(r, value, SKF_NODE_LIST, "the points", points_form);
+}
+
+static skf_status keep_file(skf_reader *r, const skf_node *value, void *into) {
+  static const char form[] = "the name of a mesh file";
+  ((skf_entry *)into)->file = value;
+  skf_status s = skf_expect(r, value, SKF_NODE_SCALAR, "file", form);
+  if (s || *skf_node_text(&r->yaml, value)) return s;
+  return skf_error_set(r->error, SKF_ERR_PARSE, value->line, "file is empty, expected %s", form);
+}
+
+static skf_status read_closed(skf_reader *r, const skf_node *value, void *into) {
+  static const char *const words[] = {"false", "true"};
+  int chosen = 0;
+  skf_status s = skf_read_choice(r, value, "closed", words, 2, &chosen);
+  ((skf_entry *)into)->closed = chosen;
+  return s;
+}
+
+/* The points of a list; the caller frees them. */
+static skf_status read_points(skf_reader *r, const skf_entry *e, int least, const char *what, skf_vec3 **out) {
+  if (e->list->count < least)
+    return skf_error_set(r->error, SKF_ERR_PARSE, e->list->line, "%d %s, expected at least %d", e->list->count, what,
+                         least);
+  *out = skf_alloc((size_t)e->list->count, sizeof **out);
+  if (!*out) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+  const skf_key one = {.name = "a point", .type = SKF_KEY_VECTOR};
+  skf_status s = SKF_OK;
+  size_t i = 0;
+  for (const skf_node *n = skf_node_first(&r->yaml, e->list); n && !s; n = skf_node_next(&r->yaml, n))
+    s = skf_read_vector(r, n, &one, *out + i++);
+  if (s) skf_free(*out);
+  return s;
+}
+
+static long line_of_entry(const skf_reader *r, const skf_node *list, size_t i) {
+  const skf_node *n = skf_node_first(&r->yaml, list);
+  while (i--) n = skf_node_next(&r->yaml, n);
+  return n->line;
+}
+
+static skf_status expand_circle(skf_reader *r, const skf_entry *e, skf_pieces *into) {
+  const skf_arc *a = &e->element.primitive.arc;
+  return skf_add_piece(r, e, &(skf_primitive){.shape = SKF_ARC, .arc = skf_arc_circle(a->center, a->normal, a->radius)},
+                       into);
+}
+
+static skf_status expand_polyline(skf_reader *r, const skf_entry *e, skf_pieces *into) {
+  skf_vec3 *v;
+  skf_status s = read_points(r, e, e->closed ? 3 : 2, e->closed ? "points of a closed polyline" : "points", &v);
+  if (s) return s;
+  size_t n = (size_t)e->list->count;
+  for (size_t i = 0; i < (e->closed ? n : n - 1) && !s; i++) {
+    size_t j = (i + 1) % n;
+    if (v3_dist(v[i], v[j]) > 0)
+      s = skf_add_piece(r, e, &(skf_primitive){.shape = SKF_SEGMENT, .segment = {v[i], v[j]}}, into);
+    else
+      s = skf_error_set(r->error, SKF_ERR_DEGENERATE, line_of_entry(r, e->list, j ? j : i),
+                        j ? "a point equals the one before, expected another one"
+                          : "the last point equals the first, expected another one (closed joins them)");
+  }
+  skf_free(v);
+  return s;
+}
+
+static skf_status expand_polygon(skf_reader *r, const skf_entry *e, skf_pieces *into) {
+  skf_vec3 *v;
+  skf_status s = read_points(r, e, 3, "vertices of a polygon", &v);
+  if (s) return s;
+  size_t n = (size_t)e->list->count, where;
+  const char *why;
+  unsigned(*t)[3] = skf_alloc(n, sizeof *t);
+  s = t ? skf_polygon_triangulate(v, n, t, &why, &where) : SKF_ERR_NOMEM;
+  if (s == SKF_ERR_NOMEM)
+    skf_error_set(r->error, s, 0, "out of memory");
+  else if (s)
+    skf_error_set(r->error, s, line_of_entry(r, e->list, where),
+                  "%s (vertex %zu), expected a simple and planar polygon", why, where + 1);
+  for (size_t i = 0; i + 2 < n && !s; i++)
+    s = skf_add_piece(
+        r, e, &(skf_primitive){.shape = SKF_TRIANGLE, .triangle.vertices = {v[t[i][0]], v[t[i][1]], v[t[i][2]]}}, into);
+  skf_free(t), skf_free(v);
+  return s;
+}
+
+/* Reads the mesh; its messages get the file's name in front, and what was expected where they do not tell. */
+static skf_status read_mesh(skf_reader *r, const skf_node *file, skf_mesh *mesh) {
+  const char *name = skf_node_text(&r->yaml, file);
+  size_t size = strlen(r->folder) + strlen(name) + 2;
+  char *path = skf_alloc(size, 1);
+  if (!path) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+  snprintf(path, size, "%s%s%s", *name == '/' ? "" : r->folder, *name == '/' ? "" : "/", name);
+  struct stat about;
+  int gone = stat(path, &about) ? errno : 0;
+  skf_error why = {0};
+  skf_status s = SKF_ERR_IO;
+  if (gone || !S_ISREG(about.st_mode)) /* a pipe or a device would be read for ever */
+    snprintf(why.text, sizeof why.text, "%s", gone ? strerror(gone) : "not a regular file");
+  else
+    s = skf_mesh_read(path, mesh, &why);
+  skf_free(path);
+  if (s == SKF_ERR_NOMEM) return skf_error_set(r->error, s, 0, "out of memory");
+  if (!s) return s;
+  char line[32] = "";
+  if (why.line > 0) snprintf(line, sizeof line, "%ld:", why.line);
+  return skf_error_set(r->error, s, file->line, "mesh %s:%s %.120s%s", skf_show(name).text, line, why.text,
+                       strstr(why.text, "expected") ? "" : ", expected a PLY, OBJ, OFF or STL mesh");
+}
+
+static skf_status expand_mesh(skf_reader *r, const skf_entry *e, skf_pieces *into) {
+  skf_mesh m = {0};
+  skf_status s = read_mesh(r, e->file, &m);
+  for (size_t i = 0; i < m.triangle_count && !s; i++) {
+    const unsigned *t = m.triangles[i];
+    skf_primitive p = {.shape = SKF_TRIANGLE,
+                       .triangle.vertices = {m.vertices[t[0]], m.vertices[t[1]], m.vertices[t[2]]}};
+    if (skf_primitive_check(&p, NULL) == SKF_ERR_DEGENERATE)
+      s = skf_error_set(r->error, SKF_ERR_DEGENERATE, e->file->line,
+                        "triangle %zu of the %zu of mesh %s has no area (vertices %u, %u, %u from 0), expected only "
+                        "triangles with one",
+                        i + 1, m.triangle_count, skf_show(skf_node_text(&r->yaml, e->file)).text, t[0], t[1], t[2]);
+    else
+      s = skf_add_piece(r, e, &p, into);
+  }
+  skf_mesh_free(&m);
+  return s;
+}
+
+static const skf_key circle_keys[] = {
+    {"center", "L", "its centre", SKF_KEY_VECTOR, true, .offset = offsetof(skf_entry, element.primitive.arc.center)},
+    {"normal", "1", "its axis; it is normalised", SKF_KEY_VECTOR, true,
+     .offset = offsetof(skf_entry, element.primitive.arc.normal)},
+    {"radius", "L", "its radius", SKF_KEY_NUMBER, true, .offset = offsetof(skf_entry, element.primitive.arc.radius),
+     .range = &skf_positive},
+};
+
+static const skf_key polyline_keys[] = {
+    {"points", "L", "two or more; three or more when closed", SKF_KEY_OTHER, true, .read = keep_list,
+     .form = points_form},
+    {"closed", NULL, "joins the last point to the first (default: false)", SKF_KEY_OTHER, .read = read_closed,
+     .form = "true or false"},
+};
+
+static const skf_key polygon_keys[] = {
+    {"vertices", "L", "three or more, in order; within 1e-6 of its size in a plane", SKF_KEY_OTHER, true,
+     .read = keep_list, .form = points_form},
+};
+
+static const skf_key mesh_keys[] = {
+    {"file", NULL, "PLY, OBJ, OFF or STL, relative to the scene's folder", SKF_KEY_OTHER, true, .read = keep_file,
+     .form = "a file name"},
+};
+
+const skf_compound skf_compounds[SKF_COMPOUND_COUNT] = {
+    {{"circle", "a full circle, as one arc", circle_keys, 3}, expand_circle},
+    {{"polyline", "segments from point to point", polyline_keys, 2}, expand_polyline},
+    {{"polygon", "a flat simple polygon without holes, convex or not, cut into triangles", polygon_keys, 1},
+     expand_polygon},
+    {{"mesh", "the triangles of a mesh file, open or closed; faces with more corners are cut into fans", mesh_keys, 1},
+     expand_mesh},
+};

@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: MIT */
+/* Entries that stand for several primitives: their pieces, their fields, and the mesh files they read. */
+#include "scene/scene_text.h"
+#include "core/alloc.h"
+#include "random.h"
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define HEAD "skelfield: 1\nbodies:\n- name: a\n  iso: 1\n  kernel: {type: inverse}\n  skeleton:\n"
+
+static char folder[] = "/tmp/skelfield-compound-XXXXXX";
+
+static void put(const char *name, const char *text) {
+  char path[256];
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  FILE *f = fopen(path, "wb");
+  assert_non_null(f);
+  fputs(text, f);
+  assert_int_equal(fclose(f), 0);
+}
+
+static skf_scene *good(const char *text) {
+  skf_scene *scene;
+  skf_error e;
+  if (skf_scene_parse(text, strlen(text), folder, &scene, &e)) fail_msg("line %ld: %s", e.line, e.text);
+  return scene;
+}
+
+static const char everything[] =
+    HEAD "  - circle: {center: [0, 0, 1], normal: [0, 3, 4], radius: 2, strength: -2}\n"
+         "  - polyline: {points: [[0, 0, 0], [1, 0, 0], [1, 1, 0]], kernel: {type: cauchy, s: 2}}\n"
+         "  - polyline:\n      points:\n      - [0, 0, 0]\n      - [1, 0, 0]\n      - [1, 1, 0]\n      closed: true\n"
+         "  - point: {at: [5, 5, 5]}\n"
+         "  - polygon: {vertices: [[0, 0, 0], [2, 0, 0], [2, 1, 0], [1, 1, 0], [1, 3, 0], [0, 3, 0]], strength: 3}\n"
+         "  - mesh: {file: pyramid.off, kernel: {type: gaussian, a: 1}, strength: 0.5}\n";
+
+/* A quadrilateral, a triangle and a vertex that nobody uses. */
+static const char pyramid[] = "OFF\n6 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0.5 0.5 1\n9 9 9\n4 0 3 2 1\n3 0 1 4\n";
+
+static void pieces(void **state) {
+  (void)state;
+  put("pyramid.off", pyramid);
+  skf_scene *s = good(everything);
+  const skf_body *b = s->bodies;
+  static const struct {
+    skf_shape shape;
+    skf_kernel_type kernel;
+    double strength;
+    long line;
+  } want[] = {
+      {SKF_ARC, SKF_INVERSE, -2, 7},         {SKF_SEGMENT, SKF_CAUCHY, 1, 8},
+      {SKF_SEGMENT, SKF_CAUCHY, 1, 8},       {SKF_SEGMENT, SKF_INVERSE, 1, 9},
+      {SKF_SEGMENT, SKF_INVERSE, 1, 9},      {SKF_SEGMENT, SKF_INVERSE, 1, 9},
+      {SKF_POINT, SKF_INVERSE, 1, 15},       {SKF_TRIANGLE, SKF_INVERSE, 3, 16},
+      {SKF_TRIANGLE, SKF_INVERSE, 3, 16},    {SKF_TRIANGLE, SKF_INVERSE, 3, 16},
+      {SKF_TRIANGLE, SKF_INVERSE, 3, 16},    {SKF_TRIANGLE, SKF_GAUSSIAN, 0.5, 17},
+      {SKF_TRIANGLE, SKF_GAUSSIAN, 0.5, 17}, {SKF_TRIANGLE, SKF_GAUSSIAN, 0.5, 17},
+  };
+  assert_int_equal(b->element_count, sizeof want / sizeof *want);
+  assert_int_equal(skf_field_size(b->field), b->element_count);
+  double area = 0;
+  for (size_t i = 0; i < b->element_count; i++) {
+    const skf_element *e = b->elements + i;
+    assert_int_equal(e->primitive.shape, want[i].shape);
+    assert_int_equal(e->kernel.type, want[i].kernel);
+    assert_true(e->strength == want[i].strength);
+    assert_int_equal(b->element_lines[i], want[i].line);
+    if (i >= 7 && i < 11) area += skf_primitive_measure(&e->primitive);
+  }
+  check_close(area, 4.0, 1e-15);
+  assert_true(b->elements[5].primitive.segment.from.y == 1 && b->elements[5].primitive.segment.to.x == 0);
+  assert_true(b->elements[13].primitive.triangle.vertices[2].z == 1);
+  skf_scene_free(s);
+}
+
+/* Two texts of one body: value and gradient agree at random points. */
+static void same_field(const char *one, const char *other, double tol) {
+  skf_scene *a = good(one), *b = good(other);
+  uint64_t seed = 11;
+  for (int i = 0; i < 200; i++) {
+    skf_vec3 p = rnd_vec(&seed, 4), g, h;
+    double F = skf_field_at(a->bodies[0].field, p, &g), want = skf_field_at(b->bodies[0].field, p, &h);
+    check_close(F, want, tol);
+    check_scaled(v3_dist(g, h), 0, v3_norm(h) + fabs(want), 10 * tol);
+  }
+  check_close(a->bodies[0].rho, b->bodies[0].rho, 1e-14);
+  skf_scene_free(a), skf_scene_free(b);
+}
+
+static void fields(void **state) {
+  (void)state;
+  same_field(HEAD "  - circle: {center: [0, 0, 1], normal: [0, 0, 2], radius: 1.5}\n  mass: 3\n",
+             HEAD "  - arc: {center: [0, 0, 1], normal: [0, 0, 1], start: [1, 2, 0], radius: 1.5, sweep: 360}\n"
+                  "  mass: 3\n",
+             1e-12);
+  same_field(HEAD "  - polyline: {points: [[0, 0, 0], [0.7, 0, 0], [2, 0, 0]]}\n  mass: 3\n",
+             HEAD "  - segment: {from: [0, 0, 0], to: [2, 0, 0]}\n  mass: 3\n", 1e-12);
+  same_field(HEAD "  - polygon: {vertices: [[0, 0, 0], [2, 0, 0], [2, 1, 0], [1, 1, 0], [1, 3, 0], [0, 3, 0]]}\n"
+                  "  mass: 3\n",
+             HEAD "  - triangle: {vertices: [[0, 0, 0], [2, 0, 0], [2, 1, 0]]}\n"
+                  "  - triangle: {vertices: [[0, 0, 0], [2, 1, 0], [0, 1, 0]]}\n"
+                  "  - triangle: {vertices: [[0, 1, 0], [1, 1, 0], [1, 3, 0]]}\n"
+                  "  - triangle: {vertices: [[0, 1, 0], [1, 3, 0], [0, 3, 0]]}\n  mass: 3\n",
+             1e-12);
+  put("pyramid.off", pyramid);
+  put("pyramid.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 1\nf 1 3 2\nf 1 4 3\nf 1 2 5\n");
+  same_field(HEAD "  - mesh: {file: pyramid.off}\n  mass: 3\n", HEAD "  - mesh: {file: ./pyramid.obj}\n  mass: 3\n",
+             1e-12);
+}
+
+static void files_are_relative_to_the_scene(void **state) {
+  (void)state;
+  put("pyramid.off", pyramid);
+  put("scene.yaml", HEAD "  - mesh: {file: pyramid.off}\n");
+  char path[256], text[512];
+  snprintf(path, sizeof path, "%s/scene.yaml", folder);
+  skf_scene *s;
+  assert_int_equal(skf_scene_read(path, &s, NULL), SKF_OK);
+  assert_int_equal(s->bodies[0].element_count, 3);
+  skf_scene_free(s);
+  snprintf(text, sizeof text, HEAD "  - mesh: {file: %s/pyramid.off}\n", folder);
+  assert_int_equal(skf_scene_parse(text, strlen(text), "/nonexistent", &s, NULL), SKF_OK);
+  skf_scene_free(s);
+}
+
+static void broken_files_are_refused(void **state) {
+  (void)state;
+  char path[256];
+  snprintf(path, sizeof path, "%s/pipe", folder);
+  assert_int_equal(mkfifo(path, 0600), 0);
+  static const struct {
+    const char *name, *text, *part;
+  } all[] = {
+      {"gone.off", NULL, "mesh gone.off: No such file or directory, expected"},
+      {".", NULL, "mesh .: not a regular file, expected"},
+      {"pipe", NULL, "mesh pipe: not a regular file, expected"},
+      {"word.off", "hello", "mesh word.off:1: "},
+      {"empty.ply", "", "the file is empty, expected"},
+      {"cut.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n", "mesh cut.off:5: the file ends after 2 of 3 vertices, expected"},
+      {"nan.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 nan 0\n3 0 1 2\n", "mesh nan.off:5: vertex 2: expected three finite"},
+      {"thin.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n2 0 0\n3 0 1 2\n3 0 1 3\n",
+       "triangle 2 of the 2 of mesh thin.off has no area (vertices 0, 1, 3"},
+      {"twice.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 1 0\n3 0 1 0\n", "triangle 1 of the 1 of mesh twice.off has no area"},
+      {"huge.off", "OFF\n3 1 0\n0 0 0\n1e150 0 0\n1e150 1e150 0\n3 0 1 2\n", "overflows, expected smaller"},
+  };
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+    if (all[i].text) put(all[i].name, all[i].text);
+    char text[512];
+    snprintf(text, sizeof text, HEAD "  - point: {at: [0, 0, 0]}\n  - mesh: {file: %s}\n", all[i].name);
+    skf_scene *s;
+    skf_error e;
+    if (!skf_scene_parse(text, strlen(text), folder, &s, &e)) fail_msg("%s is accepted", all[i].name);
+    assert_null(s);
+    assert_int_equal(e.line, 8);
+    if (!strstr(e.text, all[i].part) || !strstr(e.text, "expected")) fail_msg("%s: %s", all[i].name, e.text);
+  }
+}
+
+static void failing_allocations_are_errors(void **state) {
+  (void)state;
+  put("pyramid.off", pyramid);
+  skf_scene *s = NULL;
+  long k = 0;
+  skf_status status = SKF_ERR_NOMEM;
+  while (status) {
+    assert_true(++k < 1000);
+    skf_alloc_fail_after(k);
+    status = skf_scene_parse(everything, sizeof everything - 1, folder, &s, NULL);
+    skf_alloc_fail_after(0);
+    if (status) assert_int_equal(status, SKF_ERR_NOMEM);
+  }
+  assert_true(k > 20);
+  skf_scene_free(s);
+}
+
+static int make_folder(void **state) { return (void)state, mkdtemp(folder) ? 0 : -1; }
+
+static int remove_folder(void **state) {
+  (void)state;
+  char command[128];
+  snprintf(command, sizeof command, "rm -r %s", folder);
+  return system(command);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(pieces),
+      cmocka_unit_test(fields),
+      cmocka_unit_test(files_are_relative_to_the_scene),
+      cmocka_unit_test(broken_files_are_refused),
+      cmocka_unit_test(failing_allocations_are_errors),
+  };
+  return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
