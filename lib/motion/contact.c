@@ -2,20 +2,26 @@
 /* The first contact along a curved path, certified: a piece of the path is dismissed when an enclosure of the field
    over a ball around it excludes the iso value, or when F along the path, |F - F_m - F'_m ds| <= B ds^2 / 2 about its
    middle, cannot reach it; it holds at most one crossing when |F'_m| > B ds throughout. Everything else is halved, down
-   to pieces on which F changes by no more than its rounding error. */
+   to pieces on which F changes by no more than its rounding error: those stay in doubt. A contact is where the path is
+   inside beyond doubt, and before that was outside or in doubt since it was. */
 #include "motion/contact.h"
 #include <float.h>
 #include <stdint.h>
 
 /* Halvings never go further: by then a piece is as short as the rounding of s. */
 #define DEPTH 60
+/* Pieces of one step in doubt before a path that runs along a surface, as a circular orbit of just its radius does, is
+   believed to go on like that: it would take some 1e8 of them. */
+#define PATIENCE 1000
 
 /* A path seen from a body. */
 typedef struct view {
   const skf_world_body *b;
   const skf_path *path;
   double omega; /* turn per unit of s */
-  bool born;    /* the path began on the surface, and has not yet been seen to leave it */
+  int side;     /* where the path was last beyond doubt: 1 inside, -1 outside, 0 not known */
+  bool doubt;   /* it is in doubt now, */
+  double since; /* from here on */
   skf_search_report *report;
 } view;
 
@@ -27,8 +33,9 @@ static double level(const view *v, double s) {
   return skf_field_at(v->b->is.field, q, NULL) - v->b->is.iso;
 }
 
-/* Rounding error of F - iso at q, seen from the inertial place x. */
+/* Rounding error of F - iso at q, seen from the inertial place x; what is infinite is surely not iso. */
 static double noise(const skf_world_body *b, double F, skf_vec3 g, skf_vec3 q, skf_vec3 x) {
+  if (!isfinite(F)) return 0;
   double value = 16 * DBL_EPSILON * (fabs(F) + fabs(b->is.iso));
   return value + 8 * DBL_EPSILON * v3_norm(g) * (v3_norm(q) + v3_norm(x));
 }
@@ -84,20 +91,46 @@ static model look(const view *v, double middle, double half) {
   return m;
 }
 
+static void settle(view *v, int side) { v->side = side, v->doubt = false; }
+
+static void doubt(view *v, double s) {
+  if (!v->doubt) v->doubt = true, v->since = s;
+}
+
+/* What level f tells at s. */
+static void weigh(view *v, double f, double rough, double s) {
+  if (fabs(f) > rough)
+    settle(v, f < 0 ? -1 : 1);
+  else
+    doubt(v, s);
+}
+
+/* Where the path came in, that is inside beyond doubt at or behind b, and was outside before a or the doubt. */
+static double entry(const view *v, double a, double b) {
+  if (level(v, a) < 0) return polish(v, a, b);
+  double from = v->doubt ? v->since : a;
+  return level(v, from) < 0 ? polish(v, from, a) : from;
+}
+
 /* The first entry in [a, b]; false when there is none. */
 static bool search(view *v, double a, double b, int depth, double *s) {
   double half = 0.5 * (b - a), middle = a + half;
   model m = look(v, middle, half);
-  bool monotone = m.side == 0 && fabs(m.slope) > m.bend * half;
-  if (v->born && (m.side > 0 || (monotone && m.slope > 0))) return *s = a, true;
-  if (m.side < 0 || (monotone && m.slope < 0)) v->born = false;
-  if (m.side != 0 || (monotone && m.slope < 0)) return false;
-  bool floor = depth == 0 || fabs(m.slope) * half + 0.5 * m.bend * half * half <= m.rough;
-  if (monotone || floor) {
-    if (level(v, a) < 0 && level(v, b) >= 0) return *s = polish(v, a, b), true;
-    if (!monotone) v->report->grazing++;
-    return false;
+  if (m.side < 0) return settle(v, -1), false;
+  if (v->side == 0) { /* the path begins in this piece; what begins in doubt comes from outside */
+    v->side = -1;
+    weigh(v, level(v, 0), m.rough, 0);
   }
+  if (m.side > 0 && v->side < 0) return *s = entry(v, a, a), true;
+  if (m.side > 0) return settle(v, 1), false;
+  if (fabs(m.slope) > m.bend * half) { /* monotone */
+    double end = level(v, b);
+    if (v->side < 0 && end > m.rough) return *s = entry(v, a, b), true;
+    return weigh(v, end, m.rough, a), false;
+  }
+  bool floor = depth == 0 || fabs(m.slope) * half + 0.5 * m.bend * half * half <= m.rough;
+  if (v->report->grazing > PATIENCE && fabs(m.f) + fabs(m.slope) * half <= m.rough) floor = true;
+  if (floor) return doubt(v, a), v->report->grazing++, false;
   return search(v, a, middle, depth - 1, s) || search(v, middle, b, depth - 1, s);
 }
 
@@ -107,7 +140,7 @@ skf_touch skf_contact_find(const skf_world *world, const skf_path *path, double 
   for (size_t i = 0; i < world->n; i++) {
     const skf_world_body *b = world->bodies + i;
     if (!b->surface) continue;
-    view v = {b, path, b->rate * path->h, born == i, report};
+    view v = {b, path, b->rate * path->h, born == i ? -1 : 0, born == i, 0, report};
     double s;
     if (search(&v, 0, first.s, DEPTH, &s) && (!first.found || s < first.s)) first = (skf_touch){true, i, s};
     if (first.found && first.s == 0) break;
