@@ -104,7 +104,8 @@ static verdict judge(skf_walk *w, const skf_knot *a, const skf_knot *b, const ce
     if ((q[0] > 0) != (q[3] > 0)) *guess = a->t + L * skf_cubic_root(q);
     /* the noise in the slope is that of f over the place where the cell changes it */
     if (skf_cubic_steep(q, c->slope + 4 * noise)) return sa * sb < 0 ? CROSSING : CLEAR;
-    if (lo >= -noise && hi <= noise) floor = true;
+    /* twice: below once the noise in f itself would decide, cell by cell, whether the ray is clear of the surface */
+    if (lo >= -2 * noise && hi <= 2 * noise) floor = true;
   }
   if (floor) return GRAZING;
   return HALVE;

@@ -187,6 +187,25 @@ static void planes(void **unused) {
   assert_true(hits > 200);
 }
 
+/* A tangent is no crossing, and not searched for ever. */
+static void tangents(void **unused) {
+  (void)unused;
+  skf_element e = {.primitive = {.shape = SKF_POINT, .point = {{0, 0, 0}}}, .kernel = {SKF_INVERSE, 0}, .strength = 1};
+  skf_field *f;
+  skf_tracer *t = tracer_of(&e, 1, 1, &f);
+  for (int i = 0; i < 60; i++) {
+    double phi = 0.1 * i, c = cos(phi), s = sin(phi);
+    skf_ray r = {{c + 3 * s, s - 3 * c, 0}, {-s, c, 0}, 0, INFINITY};
+    skf_hit h[DENSE_HITS];
+    size_t n;
+    skf_ray_report report = {0};
+    assert_int_equal(skf_tracer_all(t, &r, DENSE_HITS, h, &n, &report), SKF_OK);
+    for (size_t k = 0; k < n; k++) check_scaled(h[k].t, 3, 1, 1e-7); /* rounding of the ray itself */
+    assert_in_range(report.cells, 1, 3000);
+  }
+  done_with(t, f);
+}
+
 /* One plane: hits in closed form, however far. */
 static void one_plane(void **unused) {
   (void)unused;
@@ -257,9 +276,9 @@ static void queries(void **unused) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(sphere),       cmocka_unit_test(through_the_donut),
-                                     cmocka_unit_test(scales),       cmocka_unit_test(planes),
-                                     cmocka_unit_test(one_plane),    cmocka_unit_test(queries),
-                                     cmocka_unit_test(random_scenes)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(sphere),    cmocka_unit_test(through_the_donut),
+                                     cmocka_unit_test(scales),    cmocka_unit_test(planes),
+                                     cmocka_unit_test(one_plane), cmocka_unit_test(tangents),
+                                     cmocka_unit_test(queries),   cmocka_unit_test(random_scenes)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
