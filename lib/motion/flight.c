@@ -63,10 +63,13 @@ static double first_step(const skf_flight *f) {
   return isfinite(h) && h > 0 ? h : 1;
 }
 
+static double momentum_size(const skf_flight *f, skf_vec3 x, skf_vec3 v) {
+  return v3_norm(f->world->axial ? v3_sub(x, f->world->about) : x) * v3_norm(v);
+}
+
 static void take_reference(skf_flight *f) {
   f->reference = skf_world_invariants_at(f->world, f->orbit.t, f->orbit.x, f->orbit.v);
-  skf_vec3 r = f->world->axial ? v3_sub(f->orbit.x, f->world->about) : f->orbit.x;
-  f->momentum_scale = v3_norm(r) * v3_norm(f->orbit.v);
+  f->momentum_scale = momentum_size(f, f->orbit.x, f->orbit.v);
 }
 
 static double worse(double drift, double now, double before, double scale) {
@@ -81,7 +84,8 @@ static void compare(const skf_flight *f, skf_vec3 x, skf_vec3 v, skf_clock t, sk
   double scale = fmax(k.scale, a->scale);
   r->energy_drift = worse(r->energy_drift, k.energy, a->energy, scale);
   r->jacobi_drift = worse(r->jacobi_drift, k.jacobi, a->jacobi, scale);
-  r->momentum_drift = worse(r->momentum_drift, k.axial_momentum, a->axial_momentum, f->momentum_scale);
+  scale = fmax(momentum_size(f, x, v), f->momentum_scale); /* either may be at rest */
+  r->momentum_drift = worse(r->momentum_drift, k.axial_momentum, a->axial_momentum, scale);
 }
 
 static skf_status restart(skf_flight *f) {
