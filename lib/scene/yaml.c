@@ -62,7 +62,8 @@ static void *grow(void *array, size_t need, size_t *capacity, size_t size) {
 
 static long line_at(const builder *b, size_t offset) {
   long line = 1;
-  for (size_t i = 0; i < offset && i < b->length; i++) line += b->text[i] == '\n';
+  for (size_t i = 0; i < offset && i < b->length; i++) /* LF, CRLF or CR, as libyaml counts them */
+    line += b->text[i] == '\n' || (b->text[i] == '\r' && !(i + 1 < b->length && b->text[i + 1] == '\n'));
   return line;
 }
 

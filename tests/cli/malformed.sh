@@ -24,6 +24,9 @@ expect "nothing was written" [ "$(ls -A)" = points.csv ]
 printf 'skelfield: 1\nbodies: \0\n' >nul.yaml
 run info nul.yaml
 expect_refused "a NUL" 'nul.yaml:2: '
+printf 'skelfield: 1\rbodies: []\r' >mac.yaml
+run info mac.yaml
+expect_refused "an old line ending" 'mac.yaml:2: bodies is empty'
 : >empty.yaml
 run info empty.yaml --json
 expect_refused "an empty file" 'empty.yaml:1: '
