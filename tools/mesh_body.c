@@ -7,6 +7,9 @@ static int failed(const skf_body *b, skf_status s, double edge) {
     return cli_fail(CLI_FAILED, "body '%s': the surface F = %g reaches to infinity and has no closed mesh", b->name,
                     b->iso);
   case SKF_ERR_EMPTY:
+    if (edge > 0) /* else it is known without a sample */
+      return cli_fail(CLI_FAILED, "body '%s': an edge of %g finds no surface F = %g, a smaller --edge may", b->name,
+                      edge, b->iso);
     return cli_fail(CLI_FAILED, "body '%s': there is no surface, F is below iso = %g everywhere", b->name, b->iso);
   case SKF_ERR_CAPACITY:
     return cli_fail(CLI_FAILED,

@@ -52,6 +52,9 @@ expect_status "too fine an edge fails" 1
 expect_err "it says why" "body 'ball': an edge of 1e-09 makes more triangles"
 expect_nothing_written "and writes nothing"
 
+run mesh two.yaml -o a.ply --edge 1e9
+expect_status "too coarse an edge fails" 1
+expect_err "it blames the edge" "body 'ball': an edge of 1e.09 finds no surface"
 sed 's/iso: 0.3$/iso: 100/' two.yaml >none.yaml
 run mesh none.yaml -o a.ply --body rod
 expect_status "no surface fails" 1
