@@ -61,8 +61,10 @@ void cli_out_abort(cli_out *o);
 /* A number with 17 significant digits, as every CSV here has it. */
 void cli_put(FILE *f, double x);
 
-/* Reads a CSV of `columns` numbers a row with exactly this header ("x,y,z"); *rows is an array of count * columns. */
-int cli_csv(const char *path, const char *header, int columns, double **rows, size_t *count);
+/* Reads a CSV of `columns` numbers a row with exactly this header ("x,y,z"); *rows is an array of count * columns.
+   `check`, unless NULL, says what is wrong with a row ("..., expected ..."), or NULL when it will do. */
+int cli_csv(const char *path, const char *header, int columns, const char *(*check)(const double *row), double **rows,
+            size_t *count);
 
 /* A progress bar on a terminal (nothing elsewhere), which also notices Ctrl-C. */
 skf_progress cli_progress(const char *label);

@@ -47,6 +47,7 @@ static const char *end_of_line(const char *p, const char *end) {
 typedef struct reader {
   const char *label, *header, *p, *end;
   int columns;
+  const char *(*check)(const double *row);
   size_t line;
 } reader;
 
@@ -78,7 +79,9 @@ static int read_row(reader *r, double *row) {
     p = skip(p + used);
   }
   r->p = end_of_line(p, r->end);
-  return r->p ? CLI_DONE : bad(r, *p == ',' ? "too many numbers" : "text after the numbers");
+  if (!r->p) return bad(r, *p == ',' ? "too many numbers" : "text after the numbers");
+  const char *wrong = r->check ? r->check(row) : NULL;
+  return wrong ? cli_fail(CLI_BAD, "%s:%zu: %s", r->label, r->line, wrong) : CLI_DONE;
 }
 
 static int read_rows(reader *r, double **rows, size_t *count) {
@@ -103,13 +106,14 @@ static int read_rows(reader *r, double **rows, size_t *count) {
   return CLI_DONE;
 }
 
-int cli_csv(const char *path, const char *header, int columns, double **rows, size_t *count) {
+int cli_csv(const char *path, const char *header, int columns, const char *(*check)(const double *row), double **rows,
+            size_t *count) {
   const char *label = strcmp(path, "-") == 0 ? "stdin" : path;
   size_t size;
   char *text = slurp(path, label, &size);
   *rows = NULL, *count = 0;
   if (!text) return CLI_BAD;
-  reader r = {label, header, text, text + size, columns, 1};
+  reader r = {label, header, text, text + size, columns, check, 1};
   int status = read_header(&r);
   if (status == CLI_DONE) status = read_rows(&r, rows, count);
   free(text);

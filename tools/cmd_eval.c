@@ -86,7 +86,7 @@ static int run_with(const cli *c, const skf_scene *scene) {
   if (name && only < 0) return CLI_BAD;
   double *rows;
   size_t n;
-  int status = cli_csv(cli_operand(c, 1), "x,y,z", 3, &rows, &n);
+  int status = cli_csv(cli_operand(c, 1), "x,y,z", 3, NULL, &rows, &n);
   if (status != CLI_DONE) return status;
   table t;
   status = table_new(&t, rows, n, cli_given(c, "tensor"));

@@ -96,12 +96,11 @@ static int open_outputs(simulate *s) {
   int status = trajectory_writer_for(path, &s->writer);
   if (status != CLI_DONE) return status;
   s->table.track = s->geo != NULL;
-  status = s->writer->open(&s->trajectory, path, &s->table);
-  if (status != CLI_DONE || !contacts) return status;
-  status = cli_out_open(&s->contacts, contacts);
-  s->log = status == CLI_DONE;
+  if (contacts) status = cli_out_open(&s->contacts, contacts); /* first: opening the other may print its header */
+  if (status != CLI_DONE) return status;
+  s->log = contacts != NULL;
   if (s->log) contact_header(s->contacts.file);
-  return status;
+  return s->writer->open(&s->trajectory, path, &s->table);
 }
 
 /* Commits what is complete: all of it, or the rows before a failure or an interrupt. */

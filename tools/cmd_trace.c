@@ -117,13 +117,9 @@ static int trace_all(trace *t, FILE *f) {
   return CLI_DONE;
 }
 
-static int check_rays(const char *path, const double *rows, size_t n) {
-  for (size_t i = 0; i < n; i++) {
-    const double *d = rows + 6 * i + 3;
-    if (d[0] == 0 && d[1] == 0 && d[2] == 0)
-      return cli_fail(CLI_BAD, "%s:%zu: the direction of ray %zu is zero, expected any other vector", path, i + 2, i);
-  }
-  return CLI_DONE;
+static const char *check_ray(const double *row) {
+  bool zero = row[3] == 0 && row[4] == 0 && row[5] == 0;
+  return zero ? "the direction is zero, expected any other vector" : NULL;
 }
 
 static int make_tracers(trace *t) {
@@ -146,13 +142,11 @@ static void say_report(const skf_ray_report *r, bool wanted) {
 
 static int run_with(const cli *c, trace *t) {
   double *rows;
-  const char *path = cli_operand(c, 1);
-  int status = cli_csv(path, "ox,oy,oz,dx,dy,dz", 6, &rows, &t->n);
+  int status = cli_csv(cli_operand(c, 1), "ox,oy,oz,dx,dy,dz", 6, check_ray, &rows, &t->n);
   if (status != CLI_DONE) return status;
   t->rows = rows;
   cli_out out = {0};
-  status = check_rays(path, rows, t->n);
-  if (status == CLI_DONE) status = make_tracers(t);
+  status = make_tracers(t);
   if (status == CLI_DONE) status = cli_out_open(&out, cli_value(c, "output"));
   if (status == CLI_DONE) {
     status = trace_all(t, out.file);

@@ -46,7 +46,14 @@ expect_close "its longitude, over ground that turns" "$(field 8 10)" "$(awk 'BEG
 run simulate fall.yaml -o run.h5 --json
 expect_status "HDF5 and a summary" 0
 expect_out "the summary counts the contact" '"contacts": 1,'
+expect_out "a fall from rest keeps its angular momentum" '"axial_momentum_drift": ([0.]+$|[0-9.]+e-1[5-9]$)'
 expect "the file is there" [ -s run.h5 ]
+sleep 1.1 # HDF5 keeps times in seconds
+run simulate fall.yaml -o again.h5 --threads 1
+expect_same "the same run gives the same bytes" run.h5 again.h5
+run simulate fall.yaml --contacts no-such-folder/hits.csv
+expect_status "a log that cannot be written fails" 1
+expect_nothing_written "and nothing is written"
 
 run simulate fall.yaml -o run.txt
 expect_refused "an unknown ending" "run.txt: unknown ending of a trajectory, expected .csv or .h5"

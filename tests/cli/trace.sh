@@ -37,6 +37,9 @@ expect "threads change nothing" cmp -s one.csv four.csv
 printf 'ox,oy,oz,dx,dy,dz\n1,2,3,1,0,0\n-5,0,0,0,0,0\n' >zero.csv
 run trace two.yaml zero.csv -o no.csv
 expect_refused "a zero direction" 'zero.csv:3: .*zero, expected'
+printf 'ox,oy,oz,dx,dy,dz\n\n1,2,3,1,0,0\n\n-5,0,0,0,0,0\n' >zero.csv
+run trace two.yaml zero.csv
+expect_refused "a zero direction behind blank lines" 'zero.csv:5: .*zero, expected'
 printf 'x,y,z\n1,2,3\n' >header.csv
 run trace two.yaml header.csv
 expect_refused "another header" "header.csv:1: .*expected 'ox,oy,oz,dx,dy,dz'"
