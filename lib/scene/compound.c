@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Entries of a skeleton that stand for several primitives: circle, polyline, polygon, mesh. */
+/* Entries of a skeleton that stand for several primitives: circle, polyline, polygon, bezier, mesh. */
 #include "scene/skeleton.h"
 #include "core/alloc.h"
 #include "core/vec3.h"
@@ -97,6 +97,25 @@ static skf_status expand_polygon(skf_reader *r, const skf_entry *e, skf_pieces *
   return s;
 }
 
+static skf_status expand_bezier(skf_reader *r, const skf_entry *e, skf_pieces *into) {
+  size_t n = 0;
+  skf_primitive *p = NULL;
+  skf_status s = skf_bezier_cut(e->control, e->tolerance, NULL, 0, &n);
+  if (s == SKF_ERR_DEGENERATE || (!s && !n))
+    return skf_error_set(r->error, SKF_ERR_DEGENERATE, e->kind->line,
+                         "four equal points in a bezier, expected a proper bezier");
+  if (s && e->tolerance > 0)
+    return skf_error_set(r->error, s, skf_map_line(r, e->map, "tolerance"),
+                         "tolerance is out of range for this bezier, expected 1e-10 to 0.1 of its polygon's length");
+  if (s) return skf_error_set(r->error, s, e->kind->line, "size of the bezier overflows, expected a proper bezier");
+  p = skf_alloc(n, sizeof *p);
+  s = p ? skf_bezier_cut(e->control, e->tolerance, p, n, &n)
+        : skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+  for (size_t i = 0; i < n && !s; i++) s = skf_add_piece(r, e, p + i, into);
+  skf_free(p);
+  return s;
+}
+
 /* Reads the mesh; its messages get the file's name in front, and what was expected where they do not tell. */
 static skf_status read_mesh(skf_reader *r, const skf_node *file, skf_mesh *mesh) {
   const char *name = skf_node_text(&r->yaml, file);
@@ -160,6 +179,12 @@ static const skf_key polygon_keys[] = {
      .read = keep_list, .form = points_form},
 };
 
+static const skf_key bezier_keys[] = {
+    {"points", "L", "from, two handles, to", SKF_KEY_VECTORS, true, .offset = offsetof(skf_entry, control), .count = 4},
+    {"tolerance", "L", "distance of pieces and curve (default: 1e-6 of the points' polygon)", SKF_KEY_NUMBER, false,
+     .offset = offsetof(skf_entry, tolerance), .range = &skf_positive},
+};
+
 static const skf_key mesh_keys[] = {
     {"file", NULL, "PLY, OBJ, OFF or STL, relative to the scene's folder", SKF_KEY_OTHER, true, .read = keep_file,
      .form = "a file name"},
@@ -170,6 +195,7 @@ const skf_compound skf_compounds[SKF_COMPOUND_COUNT] = {
     {{"polyline", "segments from point to point", polyline_keys, 2}, expand_polyline},
     {{"polygon", "a flat simple polygon without holes, convex or not, cut into triangles", polygon_keys, 1},
      expand_polygon},
+    {{"bezier", "a cubic Bezier curve, as a chain of arcs within its tolerance", bezier_keys, 2}, expand_bezier},
     {{"mesh", "the triangles of a mesh file, open or closed; faces with more corners are cut into fans", mesh_keys, 1},
      expand_mesh},
 };

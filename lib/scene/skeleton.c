@@ -161,7 +161,8 @@ static skf_status read_entry(skf_reader *r, const skf_node *entry, const entry_t
   skf_entry e = {.element = {.primitive.shape = simple ? (skf_shape)kind : SKF_POINT, .strength = 1},
                  .kernel = *kernel,
                  .name = kind_name(kind),
-                 .kind = word};
+                 .kind = word,
+                 .map = value};
   skf_status s = skf_read_map(r, value, &tables[kind].section, &e, NULL);
   if (!s) s = check_entry(r, &e, value);
   if (s) return s;

@@ -17,9 +17,11 @@ typedef struct skf_entry {
   skf_element element; /* the primitive, or what all its pieces share */
   skf_default_kernel kernel;
   const char *name;            /* of its kind */
-  const skf_node *kind, *list; /* where the kind stands; the list of points of a compound */
-  const skf_node *file;
+  const skf_node *kind, *map;  /* where the kind stands, and its parameters */
+  const skf_node *list, *file; /* of a compound: its points, its mesh */
   bool closed;
+  skf_vec3 control[4]; /* of a bezier, and its tolerance; 0: the default */
+  double tolerance;
 } skf_entry;
 
 /* The elements of a body, as they grow. */
@@ -37,7 +39,7 @@ typedef struct skf_compound {
   skf_status (*expand)(skf_reader *r, const skf_entry *e, skf_pieces *into);
 } skf_compound;
 
-enum { SKF_COMPOUND_COUNT = 4 };
+enum { SKF_COMPOUND_COUNT = 5 };
 extern const skf_compound skf_compounds[SKF_COMPOUND_COUNT];
 
 /* Fills body->elements and body->element_lines from a list that is not empty. */

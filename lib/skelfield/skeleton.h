@@ -100,6 +100,18 @@ SKF_API skf_arc skf_arc_circle(skf_vec3 center, skf_vec3 normal, double radius);
 SKF_API skf_status skf_polygon_triangulate(const skf_vec3 *vertices, size_t n, unsigned (*triangles)[3],
                                            const char **why, size_t *where);
 
+/* Default tolerance of a Bezier curve, as a part of its control polygon's length. */
+#define SKF_BEZIER_TOLERANCE 1e-6
+
+/* Replaces the cubic Bezier curve of four control points by arcs (segments where it is straight), in order, each from
+   where the last one ends, tangent to each other and to the curve at every second joint. Curve and pieces are nowhere
+   farther than `tolerance` [L] from each other (measured at 15 points of each pair of arcs, with a factor 2 to spare);
+   0 stands for the default; it must be from 1e-10 to 0.1 of the control polygon's length. *count is how many pieces
+   there are; pieces may be NULL, to count them. SKF_ERR_RANGE (not finite, tolerance), SKF_ERR_DEGENERATE (four equal
+   points) or SKF_ERR_CAPACITY. */
+SKF_API skf_status skf_bezier_cut(const skf_vec3 points[4], double tolerance, skf_primitive *pieces, size_t capacity,
+                                  size_t *count);
+
 #ifdef __cplusplus
 }
 #endif

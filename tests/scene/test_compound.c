@@ -32,6 +32,7 @@ static const char everything[] =
          "  - polyline:\n      points:\n      - [0, 0, 0]\n      - [1, 0, 0]\n      - [1, 1, 0]\n      closed: true\n"
          "  - point: {at: [5, 5, 5]}\n"
          "  - polygon: {vertices: [[0, 0, 0], [2, 0, 0], [2, 1, 0], [1, 1, 0], [1, 3, 0], [0, 3, 0]], strength: 3}\n"
+         "  - bezier: {points: [[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]], tolerance: 0.1}\n"
          "  - mesh: {file: pyramid.off, kernel: {type: gaussian, a: 1}, strength: 0.5}\n";
 
 /* A quadrilateral, a triangle and a vertex that nobody uses. */
@@ -53,8 +54,9 @@ static void pieces(void **state) {
       {SKF_SEGMENT, SKF_INVERSE, 1, 9},      {SKF_SEGMENT, SKF_INVERSE, 1, 9},
       {SKF_POINT, SKF_INVERSE, 1, 15},       {SKF_TRIANGLE, SKF_INVERSE, 3, 16},
       {SKF_TRIANGLE, SKF_INVERSE, 3, 16},    {SKF_TRIANGLE, SKF_INVERSE, 3, 16},
-      {SKF_TRIANGLE, SKF_INVERSE, 3, 16},    {SKF_TRIANGLE, SKF_GAUSSIAN, 0.5, 17},
-      {SKF_TRIANGLE, SKF_GAUSSIAN, 0.5, 17}, {SKF_TRIANGLE, SKF_GAUSSIAN, 0.5, 17},
+      {SKF_TRIANGLE, SKF_INVERSE, 3, 16},    {SKF_SEGMENT, SKF_INVERSE, 1, 17},
+      {SKF_TRIANGLE, SKF_GAUSSIAN, 0.5, 18}, {SKF_TRIANGLE, SKF_GAUSSIAN, 0.5, 18},
+      {SKF_TRIANGLE, SKF_GAUSSIAN, 0.5, 18},
   };
   assert_int_equal(b->element_count, sizeof want / sizeof *want);
   assert_int_equal(skf_field_size(b->field), b->element_count);
@@ -69,7 +71,7 @@ static void pieces(void **state) {
   }
   check_close(area, 4.0, 1e-15);
   assert_true(b->elements[5].primitive.segment.from.y == 1 && b->elements[5].primitive.segment.to.x == 0);
-  assert_true(b->elements[13].primitive.triangle.vertices[2].z == 1);
+  assert_true(b->elements[14].primitive.triangle.vertices[2].z == 1);
   skf_scene_free(s);
 }
 
@@ -106,6 +108,44 @@ static void fields(void **state) {
   put("pyramid.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 1\nf 1 3 2\nf 1 4 3\nf 1 2 5\n");
   same_field(HEAD "  - mesh: {file: pyramid.off}\n  mass: 3\n", HEAD "  - mesh: {file: ./pyramid.obj}\n  mass: 3\n",
              1e-12);
+}
+
+/* A curve's field against that of 4000 chords; both are off by less than a millionth of the distance. */
+static void curves(void **state) {
+  (void)state;
+  same_field(HEAD "  - bezier: {points: [[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]]}\n  mass: 3\n",
+             HEAD "  - segment: {from: [0, 0, 0], to: [3, 0, 0]}\n  mass: 3\n", 1e-14);
+  skf_scene *s = good(HEAD "  - bezier: {points: [[0, 0, 0], [1, 2, 0], [3, 1, 2], [2, 0, 1]], strength: 2}\n"
+                           "  - bezier: {points: [[0, 0, 0], [1, 2, 0], [3, 1, 2], [2, 0, 1]], tolerance: 0.01}\n");
+  enum { N = 4000 };
+  const skf_vec3 q[4] = {{0, 0, 0}, {1, 2, 0}, {3, 1, 2}, {2, 0, 1}};
+  skf_element *e = calloc(N, sizeof *e);
+  skf_vec3 from = q[0];
+  for (int i = 1; i <= N; i++) {
+    double t = (double)i / N, u = 1 - t;
+    skf_vec3 to =
+        v3_mad(v3_mad(v3_mad(v3_scale(u * u * u, q[0]), 3 * u * u * t, q[1]), 3 * u * t * t, q[2]), t * t * t, q[3]);
+    e[i - 1] = (skf_element){{.shape = SKF_SEGMENT, .segment = {from, to}}, {SKF_INVERSE, 0}, 2};
+    from = to;
+  }
+  size_t n = 0;
+  while (n < s->bodies[0].element_count && s->bodies[0].elements[n].strength == 2) n++;
+  assert_in_range(n, 20, 400);
+  assert_in_range(s->bodies[0].element_count - n, 2, 16);
+  skf_field *fine, *curve, *loose;
+  assert_int_equal(skf_field_new(e, N, &fine), SKF_OK);
+  assert_int_equal(skf_field_new(s->bodies[0].elements, n, &curve), SKF_OK);
+  assert_int_equal(skf_field_new(s->bodies[0].elements + n, s->bodies[0].element_count - n, &loose), SKF_OK);
+  uint64_t seed = 12;
+  for (int i = 0; i < 20; i++) {
+    skf_vec3 p = v3_add(v3(1.5, 0.7, 0.7), v3_scale(rnd(&seed, 2, 6), rnd_unit(&seed)));
+    double want = skf_field_at(fine, p, NULL);
+    check_close(skf_field_at(curve, p, NULL), want, 2e-6);
+    check_close(2 * skf_field_at(loose, p, NULL), want, 1e-2);
+  }
+  skf_field_free(fine), skf_field_free(curve), skf_field_free(loose);
+  free(e);
+  skf_scene_free(s);
 }
 
 static void files_are_relative_to_the_scene(void **state) {
@@ -186,6 +226,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(pieces),
       cmocka_unit_test(fields),
+      cmocka_unit_test(curves),
       cmocka_unit_test(files_are_relative_to_the_scene),
       cmocka_unit_test(broken_files_are_refused),
       cmocka_unit_test(failing_allocations_are_errors),
