@@ -4,13 +4,12 @@
 #ifndef SKF_FIELD_BATCH_SEGMENT_H
 #define SKF_FIELD_BATCH_SEGMENT_H
 
-#include "field/batch_loop.h"
+#include "field/batch_span.h"
 
 /* n = d x e from the nearer end: w = e x n / L^2 points from the axis to x, h = |n| / L. */
 typedef struct segment_view {
   skf_v3d d0, d1, n;
   skf_vd n0, n1, n2; /* squared lengths */
-  skf_vd sum;        /* t0 + t1 = -(d0 + d1) a */
 } segment_view;
 
 SKF_INLINE segment_view segment_see(const skf_prepared *e, skf_v3d x) {
@@ -29,7 +28,6 @@ SKF_INLINE segment_view segment_see(const skf_prepared *e, skf_v3d x) {
     f.n = vd3_select(close, vd3_add(f.n, vd3_add(vd3_cross(lo, axis), vd3_cross(d, vd3_set(s->e_lo)))), f.n);
     f.n2 = vd3_dot(f.n, f.n);
   }
-  f.sum = -vd3_dot(vd3_add(f.d0, f.d1), vd3_set(s->a));
   return f;
 }
 
@@ -49,11 +47,29 @@ SKF_INLINE skf_vvalue inverse_segment(const skf_prepared *e, skf_v3d x) {
   skf_vi between = dot < vd_set(0);
   skf_vd D = vd_select(between, two * f.n2, two * up), per = vd_select(between, up, vd_set(1)); /* D / per */
   skf_vd far = (S + L) * per, F = vd_log_ratio((S + L) * far, D, two * L * far);
+  skf_vd sum = -vd3_dot(vd3_add(f.d0, f.d1), vd3_set(e->plan.segment.a)); /* t0 + t1 */
   skf_vd bottom = D * (rr * S), inv = vd_set(1) / bottom;
-  skf_vd g = vd_set(-2) * L * (S * S) * per * inv, ends = L * f.sum * D * inv;
+  skf_vd g = vd_set(-2) * L * (S * S) * per * inv, ends = L * sum * D * inv;
   return (skf_vvalue){F, segment_gradient(e, &f, g, ends), vd_sane(bottom) & vd_sane(D) & vd_sane(far)};
 }
 
+/* cauchy.c's segment, the quotients gathered into two. */
+SKF_INLINE skf_vvalue cauchy_segment(const skf_prepared *e, skf_v3d x) {
+  const skf_segment_plan *s = &e->plan.segment;
+  double p = e->kernel.param, L = s->length, p2 = p * p;
+  segment_view f = segment_see(e, x);
+  skf_vd one = vd_set(1), P2 = vd_fma(vd_set(p2 / (L * L)), f.n2, one), P = vd_sqrt(P2);
+  skf_vd W0 = vd_fma(vd_set(p2), f.n0, one), W1 = vd_fma(vd_set(p2), f.n1, one), N = vd_sqrt(W0 * W1);
+  skf_vd t0 = -vd3_dot(f.d0, vd3_set(s->a)), t1 = -vd3_dot(f.d1, vd3_set(s->a)), sum = t0 + t1;
+  skf_vd tt = vd_set(p2) * t0 * t1;
+  span_view a = span_see(vd_set(p * L) * P, P2 + tt, N, P2 - tt, vd_set(p) * P * sum);
+  skf_vd per = one / (P * P2), F = vd_set(1 / p) * span_second(&a, a.c) * per;
+  skf_vd g = vd_set(-4 * p) * span_fourth(&a, a.c) * (per * per * P);
+  skf_vd per_N2 = a.per_N * a.per_N, ends = vd_set(p2 * L) * sum * (W0 + W1) * (per_N2 * per_N2);
+  return (skf_vvalue){F, segment_gradient(e, &f, g, ends), a.good & vd_sane(P * P2)};
+}
+
 SKF_BATCH_LOOP(inverse_segment)
+SKF_BATCH_LOOP(cauchy_segment)
 
 #endif

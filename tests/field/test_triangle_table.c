@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Triangles against a table of reference values made with 58 digits. */
+#include "random.h"
 #include "triangle_check.h"
 
 static FILE *open_table(void) {
@@ -29,8 +30,27 @@ static bool read_row(char *line, tri_case *c, double want[4]) {
   return c->kernel.type < SKF_KERNEL_COUNT;
 }
 
-static void every_row(void **state) {
-  (void)state;
+/* The same point among others near the triangle, in a place of the batch that depends on the row. */
+static skf_value in_batch(const tri_case *c, int number) {
+  enum { N = 11 };
+  double p[3][N], F[N], G[3][N], d = tri_size(c);
+  uint64_t seed = (uint64_t)number;
+  for (int i = 0; i < N; i++) {
+    skf_vec3 x = i == number % N ? c->x : v3_mad(c->x, d, rnd_vec(&seed, 1));
+    p[0][i] = x.x, p[1][i] = x.y, p[2][i] = x.z;
+  }
+  const double *const in[3] = {p[0], p[1], p[2]};
+  double *const out[3] = {G[0], G[1], G[2]};
+  skf_element e = {.primitive = {.shape = SKF_TRIANGLE, .triangle = c->triangle}, .kernel = c->kernel, .strength = 1};
+  skf_field *f;
+  assert_int_equal(skf_field_new(&e, 1, &f), SKF_OK);
+  assert_int_equal(skf_field_eval(f, N, in, F, out, NULL), SKF_OK);
+  skf_field_free(f);
+  int i = number % N;
+  return (skf_value){.F = F[i], .g = v3(G[0][i], G[1][i], G[2][i])};
+}
+
+static void check_table(bool batch) {
   FILE *f = open_table();
   if (!f) skip();
   char line[4096];
@@ -42,7 +62,7 @@ static void every_row(void **state) {
     number++;
     if (!read_row(line, &c, want)) continue;
     if (!skf_kernel_row(c.kernel.type)->closed[SKF_TRIANGLE]) continue;
-    skf_value v = tri_eval(&c, 1);
+    skf_value v = batch ? in_batch(&c, number) : tri_eval(&c, 1);
     skf_vec3 g = v3(want[1], want[2], want[3]);
     double F_error = fabs(v.F - want[0]) / fabs(want[0]);
     double scale = fmax(v3_norm(g), 1e-3 * fabs(want[0]) / tri_size(&c)), g_error = tri_diff_g(v.g, g, scale);
@@ -59,7 +79,17 @@ static void every_row(void **state) {
                   worst[k][0], worst[k][1]);
 }
 
+static void test_points(void **state) {
+  (void)state;
+  check_table(false);
+}
+
+static void test_batches(void **state) {
+  (void)state;
+  check_table(true);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(every_row)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_points), cmocka_unit_test(test_batches)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
