@@ -69,7 +69,7 @@ static void edges(const skf_triangle_view *g, const skf_disc *disc, bool beyond,
   for (int i = 0; i < 3; i++) {
     skf_edge_clip e = skf_edge_cut(g, i, disc);
     part p = {0, 0, 0};
-    bool on_edge = g->d[i] == 0 && g->z == 0 && skf_edge_nearest(e.b1, e.b2) == 0;
+    bool on_edge = g->d[i] * g->d[i] + g->z * g->z == 0 && skf_edge_nearest(e.b1, e.b2) == 0; /* or underflows */
     if (e.in) p = rim || on_edge ? panel_part(g, disc, i, &e, beyond, s) : closed_part(g, R, i, &e, s);
     if (!beyond) {
       p.F += G0 * e.out;

@@ -353,6 +353,11 @@ static void smooth_on_the_triangle(void **state) {
       check_close(a.F, b.F, 1e-7);
       assert_true(tri_diff_g(a.g, b.g, fabs(a.F) + v3_norm(a.g)) < 1e-7);
       assert_true(tri_diff_h(a.h, b.h, tri_norm_h(a.h)) < 1e-6);
+      near.x = v3_add(c.x, v3(0, 0, 1e-170)); /* whose square underflows */
+      b = tri_eval(&near, 2);
+      check_close(a.F, b.F, 1e-12);
+      assert_true(tri_diff_g(a.g, b.g, fabs(a.F) + v3_norm(a.g)) < 1e-12);
+      assert_true(tri_diff_h(a.h, b.h, tri_norm_h(a.h)) < 1e-10);
     }
 }
 
