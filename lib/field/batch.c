@@ -30,11 +30,7 @@ static void add_element(const job *j, const skf_prepared *e, size_t n, size_t pa
       if (redo[i] < n) at_point(e, p, redo[i], v);
   } else
     for (size_t i = 0; i < n; i++) at_point(e, p, i, v);
-  j->ops->add(n, e->strength, v, sum);
-}
-
-static double total(const skf_batch_sum *t, int k, size_t i) {
-  return isfinite(t->s[k][i]) ? t->s[k][i] + t->low[k][i] : t->s[k][i];
+  (e == j->elements ? j->ops->set : j->ops->add)(n, e->strength, v, sum);
 }
 
 static void block(const job *j, size_t from, size_t n) {
@@ -47,12 +43,11 @@ static void block(const job *j, size_t from, size_t n) {
     for (size_t i = n; i < padded; i++) pad[k][i] = p[k][n - 1];
     p[k] = pad[k];
   }
-  for (int k = 0; k < 4; k++)
-    for (size_t i = 0; i < n; i++) sum.s[k][i] = sum.low[k][i] = 0;
+  if (j->count == 0) memset(&sum, 0, sizeof sum);
   for (size_t i = 0; i < j->count; i++) add_element(j, j->elements + i, n, padded, p, &sum);
-  for (size_t i = 0; j->F && i < n; i++) j->F[from + i] = total(&sum, 0, i);
+  if (j->F) j->ops->total(n, &sum, 0, j->F + from);
   for (int k = 0; j->g && k < 3; k++)
-    for (size_t i = 0; j->g[k] && i < n; i++) j->g[k][from + i] = isfinite(sum.s[0][i]) ? total(&sum, k + 1, i) : 0;
+    if (j->g[k]) j->ops->total(n, &sum, k + 1, j->g[k] + from);
 }
 
 void skf_batch_eval(const skf_batch_ops *ops, const skf_prepared *elements, size_t count, size_t n,

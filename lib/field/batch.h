@@ -23,7 +23,9 @@ typedef struct skf_batch_sum {
 
 typedef struct skf_batch_ops {
   skf_batch_fn pair[SKF_KERNEL_COUNT][SKF_SHAPE_COUNT]; /* NULL: the closed form at each point */
+  void (*set)(size_t n, double strength, const double v[4][SKF_BATCH], skf_batch_sum *sum);
   void (*add)(size_t n, double strength, const double v[4][SKF_BATCH], skf_batch_sum *sum);
+  void (*total)(size_t n, const skf_batch_sum *sum, int column, double *out);
 } skf_batch_ops;
 
 extern const skf_batch_ops skf_batch_scalar, skf_batch_avx2;

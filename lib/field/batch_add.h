@@ -5,6 +5,15 @@
 
 #include "field/batch.h"
 
+/* The first element's share. */
+static void batch_set(size_t n, double strength, const double v[4][SKF_BATCH], skf_batch_sum *sum) {
+  for (int k = 0; k < 4; k++)
+    for (size_t i = 0; i < n; i++) {
+      sum->s[k][i] = strength * v[k][i];
+      sum->low[k][i] = 0;
+    }
+}
+
 /* Adds strength times v; each rounding error is found exactly [Knuth] and summed apart [Neumaier 1974]. */
 static void batch_add(size_t n, double strength, const double v[4][SKF_BATCH], skf_batch_sum *sum) {
   for (int k = 0; k < 4; k++)

@@ -7,7 +7,9 @@
 #include "field/batch_triangle.h"
 
 const skf_batch_ops skf_batch_avx2 = {
+    .set = batch_set,
     .add = batch_add,
+    .total = batch_vector_total,
     .pair[SKF_CAUCHY][SKF_POINT] = batch_cauchy_point,
     .pair[SKF_GAUSSIAN][SKF_POINT] = batch_gaussian_point,
     .pair[SKF_INVERSE][SKF_POINT] = batch_inverse_point,

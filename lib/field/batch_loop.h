@@ -59,6 +59,18 @@ SKF_INLINE size_t vv_keep(const skf_vvalue *v, size_t i, double *const out[4], u
   return count;
 }
 
+/* batch_total, which the compiler does not vectorise. */
+static void batch_vector_total(size_t n, const skf_batch_sum *sum, int k, double *out) {
+  for (size_t i = 0; i < n; i += SKF_LANES) {
+    skf_vd F = vd_load(sum->s[0] + i), s = vd_load(sum->s[k] + i), low = vd_load(sum->low[k] + i), zero = vd_set(0);
+    skf_vd v = vd_select(s - s == zero, s + low, s), kept = k == 0 ? v : vd_select(F - F == zero, v, zero);
+    if (n - i >= SKF_LANES)
+      vd_store(out + i, kept);
+    else
+      memcpy(out + i, &kept, (n - i) * sizeof(double));
+  }
+}
+
 /* Defines batch_NAME from NAME(const skf_prepared *, skf_v3d) -> skf_vvalue. */
 #define SKF_BATCH_LOOP(name)                                                                                           \
   static size_t batch_##name(const skf_prepared *e, size_t n, const double *const p[3], double *const out[4],          \

@@ -9,6 +9,8 @@
 #include <string.h>
 #if defined(__AVX2__) && defined(__FMA__)
 #include <immintrin.h>
+#else
+#pragma GCC diagnostic ignored "-Wpsabi" /* all is inline: no ABI */
 #endif
 
 enum { SKF_LANES = 4 };
