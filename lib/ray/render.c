@@ -12,7 +12,7 @@ typedef struct render {
   size_t light_count;
   skf_light own_lights[3];
   skf_sight *sights;
-  skf_lit *raw, *lit; /* from each pixel's own rays; smoothed */
+  skf_lit *raw, *lit; /* from each pixel's own rays, smoothed twice in the end; smoothed once, later marks */
   float *rgb;
   skf_progress progress;
   double done, share; /* of the whole work: before this pass, in it */
@@ -50,7 +50,7 @@ static bool blocked(const render *r, skf_vec3 at, skf_vec3 direction, double dis
 
 /* A pixel looks for the sky in SKY_RAYS directions of BLOCK * BLOCK * SKY_RAYS; the pixels of a block share theirs
    out, and smoothing over a block brings all of them together. */
-enum { BLOCK = 4, SKY_RAYS = 4, DIRECTIONS = BLOCK * BLOCK * SKY_RAYS };
+enum { BLOCK = 4, SKY_RAYS = 2, DIRECTIONS = BLOCK * BLOCK * SKY_RAYS };
 
 /* Directions spread evenly over the sphere (a spiral of golden angles). */
 static skf_vec3 spread(int k) {
@@ -100,20 +100,20 @@ static bool alike(const skf_sight *a, const skf_sight *b) {
   return v3_dot(a->normal, b->normal) > 0.9 && fabs(v3_dot(way, a->normal)) <= 0.5 * v3_norm(way) + 1e-12 * a->t;
 }
 
-static skf_lit smooth_light(const render *r, int x, int y) {
-  int w = r->s->width, h = r->s->height;
+/* The mean over a block of pixels that starts at (x0, y0) and holds (x, y), of those like it. */
+static skf_lit smooth_light(const render *r, const skf_lit *from, int x, int y, int x0, int y0) {
+  int w = r->s->width, h = r->s->height, n = 0;
   const skf_sight *here = r->sights + (size_t)y * w + x;
   skf_lit sum = {0, {0}};
-  int n = 0;
-  for (int j = y - 1; j <= y + 2; j++)
-    for (int i = x - 1; i <= x + 2; i++) {
+  for (int j = y0; j < y0 + BLOCK; j++)
+    for (int i = x0; i < x0 + BLOCK; i++) {
       size_t k = (size_t)j * w + i;
       if (i < 0 || j < 0 || i >= w || j >= h || !alike(here, r->sights + k)) continue;
-      sum.sky += r->raw[k].sky;
-      for (size_t l = 0; l < r->light_count; l++) sum.light[l] += r->raw[k].light[l];
+      sum.sky += from[k].sky;
+      for (size_t l = 0; l < r->light_count; l++) sum.light[l] += from[k].light[l];
       n++;
     }
-  if (n == 0) return r->raw[(size_t)y * w + x]; /* a surface without a normal */
+  if (n == 0) return from[(size_t)y * w + x]; /* a surface without a normal */
   sum.sky /= (float)n;
   for (size_t l = 0; l < r->light_count; l++) sum.light[l] /= (float)n;
   return sum;
@@ -135,7 +135,7 @@ static skf_lit borrowed_light(const render *r, const skf_sight *at, int x, int y
       double d = v3_dist(at->at, r->sights[k].at);
       if (d < nearest) nearest = d, from = k;
     }
-  return isfinite(nearest) ? r->lit[from] : light_at(r, at, share_of(x, y));
+  return isfinite(nearest) ? r->raw[from] : light_at(r, at, share_of(x, y));
 }
 
 /* Whether the pixel's neighbours show something else or another brightness. */
@@ -167,13 +167,19 @@ static void light_row(render *r, int y) {
   }
 }
 
+/* One block is not centred on its pixel; two, shifted either way, are. */
+static void smooth_row(render *r, int y) {
+  for (int x = 0; x < r->s->width; x++)
+    r->lit[(size_t)y * r->s->width + x] = smooth_light(r, r->raw, x, y, x - 1, y - 1);
+}
+
 static void shade_row(render *r, int y) {
   int w = r->s->width;
   for (int x = 0; x < w; x++) {
     size_t k = (size_t)y * w + x;
     double rgb[3];
-    r->lit[k] = smooth_light(r, x, y);
-    shade(r, r->sights + k, r->lit + k, y + 0.5, rgb);
+    r->raw[k] = smooth_light(r, r->lit, x, y, x - 2, y - 2);
+    shade(r, r->sights + k, r->raw + k, y + 0.5, rgb);
     for (int c = 0; c < 3; c++) r->rgb[3 * k + c] = (float)rgb[c];
   }
 }
@@ -182,7 +188,7 @@ static void shade_row(render *r, int y) {
 static void refine_row(render *r, int y) {
   int w = r->s->width, h = r->s->height, n = r->s->samples;
   for (int x = 0; x < w; x++) {
-    if (!r->raw[(size_t)y * w + x].sky) continue; /* marked by mark_row */
+    if (r->lit[(size_t)y * w + x].sky < 1) continue; /* marked by mark_row */
     double sum[3] = {0, 0, 0}, rgb[3];
     for (int i = 0; i < n; i++) {
       double px = x + (i + 0.5) / n, py = y + fmod(0.5 + i * 0.6180339887498949, 1);
@@ -198,7 +204,7 @@ static void refine_row(render *r, int y) {
 
 /* Before any pixel changes: which ones refine_row takes. */
 static void mark_row(render *r, int y) {
-  for (int x = 0; x < r->s->width; x++) r->raw[(size_t)y * r->s->width + x].sky = uneven(r, x, y) ? 1 : 0;
+  for (int x = 0; x < r->s->width; x++) r->lit[(size_t)y * r->s->width + x].sky = uneven(r, x, y) ? 1 : 0;
 }
 
 static void pass(render *r, void (*row)(render *, int), double share) {
@@ -233,7 +239,8 @@ static void all_passes(render *r) {
   pass(r, sight_row, 0.3);
   pass(r, light_row, 0.4);
   stopped = r->stop, r->stop = false;
-  pass(r, shade_row, 0); /* cheap, and done also after a stop: the picture is made of what is known */
+  pass(r, smooth_row, 0); /* cheap, and done also after a stop: the picture is made of what is known */
+  pass(r, shade_row, 0);
   r->stop = stopped;
   if (stopped || r->s->samples < 2) return;
   pass(r, mark_row, 0);

@@ -49,54 +49,102 @@ static skf_box skeleton_box(const skf_field *field) {
   return box_grow(all, size > 0 ? size : 1);
 }
 
-/* Points in the camera's frame: across, up, forward. */
-typedef struct extremes {
-  double right, left, up, down; /* largest distances beyond the planes through the apex at 0 */
-  size_t n;
-} extremes;
+/* What the camera has to show. */
+typedef struct cloud {
+  skf_vec3 *at;
+  size_t n, capacity;
+} cloud;
 
-static void add_point(const skf_view *v, skf_vec3 p, extremes *e) {
-  double x = v3_dot(p, v->right), y = v3_dot(p, v->up), z = v3_dot(p, v->forward);
-  e->right = fmax(e->right, x - v->tan_x * z), e->left = fmax(e->left, -x - v->tan_x * z);
-  e->up = fmax(e->up, y - v->tan_y * z), e->down = fmax(e->down, -y - v->tan_y * z);
-  e->n++;
+static skf_status add_point(cloud *c, skf_vec3 p) {
+  if (c->n == c->capacity) {
+    size_t more = c->capacity ? 2 * c->capacity : 1024;
+    skf_vec3 *at = skf_realloc(c->at, more, sizeof *at);
+    if (!at) return SKF_ERR_NOMEM;
+    c->at = at, c->capacity = more;
+  }
+  c->at[c->n++] = p;
+  return SKF_OK;
 }
 
-static void add_box(const skf_view *v, skf_box b, extremes *e) {
-  for (int k = 0; k < 8; k++)
-    add_point(v, v3(k & 1 ? b.hi.x : b.lo.x, k & 2 ? b.hi.y : b.lo.y, k & 4 ? b.hi.z : b.lo.z), e);
+static skf_status add_box(cloud *c, skf_box b) {
+  skf_status status = SKF_OK;
+  for (int k = 0; k < 8 && !status; k++)
+    status = add_point(c, v3(k & 1 ? b.hi.x : b.lo.x, k & 2 ? b.hi.y : b.lo.y, k & 4 ? b.hi.z : b.lo.z));
+  return status;
 }
 
-/* The pyramid of view that touches all points on both sides: its four planes give the apex in closed form. */
-static void fit(const skf_view *v, const extremes *e, skf_vec3 *from) {
-  double zx = -(e->right + e->left) / (2 * v->tan_x), zy = -(e->up + e->down) / (2 * v->tan_y);
-  double x = (e->right - e->left) / 2, y = (e->up - e->down) / 2, z = fmin(zx, zy);
-  *from = v3_mad(v3_mad(v3_scale(x, v->right), y, v->up), z, v->forward);
+/* The two planes of sight, across `side`, that touch the points on both sides at half angle atan(slope): they meet at
+ *middle along side and at the returned place along forward. */
+static double apex(const cloud *c, skf_vec3 side, skf_vec3 forward, double slope, double *middle) {
+  double plus = -INFINITY, minus = -INFINITY;
+  for (size_t i = 0; i < c->n; i++) {
+    double x = v3_dot(c->at[i], side), z = slope * v3_dot(c->at[i], forward);
+    plus = fmax(plus, x - z), minus = fmax(minus, -x - z);
+  }
+  *middle = (plus - minus) / 2;
+  return -(plus + minus) / (2 * slope);
+}
+
+/* The same planes at the smaller angle for which they meet at z: then what is seen is in the middle of the picture. */
+static double centre(const cloud *c, skf_vec3 side, skf_vec3 forward, double slope, double z) {
+  double lo = 0, hi = slope, middle = 0;
+  for (int k = 0; k < 60; k++) {
+    double m = (lo + hi) / 2;
+    if (apex(c, side, forward, m, &middle) < z)
+      lo = m;
+    else
+      hi = m;
+  }
+  apex(c, side, forward, hi, &middle);
+  return middle;
+}
+
+static void fit(skf_view *v, const cloud *c) {
+  double x, y, zx = apex(c, v->right, v->forward, v->tan_x, &x), zy = apex(c, v->up, v->forward, v->tan_y, &y);
+  double z = fmin(zx, zy);
+  if (zx > z) x = centre(c, v->right, v->forward, v->tan_x, z);
+  if (zy > z) y = centre(c, v->up, v->forward, v->tan_y, z);
+  v->from = v3_mad(v3_mad(v3_scale(x, v->right), y, v->up), z, v->forward);
 }
 
 enum { PROBE = 56 }; /* rays each way that look for the surface */
 
-/* Adds the places where the camera's rays meet the surface within the box. */
-static skf_status add_surface(const skf_view *v, const skf_field *field, double iso, skf_box box, extremes *e) {
+/* Adds the places where the camera's rays meet the surface within the box; the box where there are none. */
+static skf_status add_surface(const skf_view *v, const skf_field *field, double iso, skf_box box, cloud *c) {
   skf_tracer *tracer;
   skf_status status = skf_tracer_new(field, iso, &tracer);
-  if (status) return status;
-  for (int k = 0; k < PROBE * PROBE; k++) {
+  size_t before = c->n;
+  for (int k = 0; k < PROBE * PROBE && !status; k++) {
     int row = k / PROBE;
     skf_ray ray = {v->from, skf_view_ray(v, PROBE, PROBE, k % PROBE + 0.5, row + 0.5), 0, INFINITY};
     skf_hit hit;
     bool found = false;
     if (skf_tracer_first(tracer, &ray, &hit, &found, NULL) || !found) continue;
     const skf_vec3 p = hit.at;
-    if (p.x < box.lo.x || p.y < box.lo.y || p.z < box.lo.z || p.x > box.hi.x || p.y > box.hi.y || p.z > box.hi.z)
-      continue;
-    add_point(v, p, e);
+    if (p.x >= box.lo.x && p.y >= box.lo.y && p.z >= box.lo.z && p.x <= box.hi.x && p.y <= box.hi.y && p.z <= box.hi.z)
+      status = add_point(c, p);
   }
+  if (!status && c->n == before) status = add_box(c, box);
   skf_tracer_free(tracer);
-  return SKF_OK;
+  return status;
 }
 
-static const extremes nothing = {-INFINITY, -INFINITY, -INFINITY, -INFINITY, 0};
+/* The boxes are wide: they only give the first camera, which then looks at the surfaces themselves. */
+static skf_status frame(const skf_field *const *fields, const double *isos, const skf_box *boxes, size_t count,
+                        const skf_vec3 *points, size_t n, skf_view *v) {
+  cloud c = {NULL, 0, 0};
+  skf_status status = SKF_OK;
+  for (int pass = 0; pass < 3 && !status; pass++) {
+    c.n = 0;
+    for (size_t i = 0; i < count && !status; i++)
+      status = pass ? add_surface(v, fields[i], isos[i], boxes[i], &c) : add_box(&c, boxes[i]);
+    for (size_t i = 0; i < n && !status; i++) status = add_point(&c, points[i]);
+    if (!status && c.n == 0) status = add_box(&c, (skf_box){{-1, -1, -1}, {1, 1, 1}});
+    if (!status) fit(v, &c);
+  }
+  skf_free(c.at);
+  return status;
+}
 
 skf_status skf_camera_frame(const skf_field *const *fields, const double *isos, size_t count, const skf_vec3 *points,
                             size_t n, double azimuth, double elevation, double fov, double aspect, skf_camera *out) {
@@ -108,24 +156,9 @@ skf_status skf_camera_frame(const skf_field *const *fields, const double *isos, 
   v.tan_x *= 0.9, v.tan_y *= 0.9; /* the margin */
   skf_box *boxes = skf_alloc(count, sizeof *boxes);
   if (!boxes) return SKF_ERR_NOMEM;
-  extremes e = nothing;
-  for (size_t i = 0; i < count; i++) {
+  for (size_t i = 0; i < count; i++)
     if (skf_field_region(fields[i], isos[i], boxes + i)) boxes[i] = skeleton_box(fields[i]);
-    add_box(&v, boxes[i], &e);
-  }
-  for (size_t i = 0; i < n; i++) add_point(&v, points[i], &e);
-  if (e.n == 0) add_box(&v, (skf_box){{-1, -1, -1}, {1, 1, 1}}, &e);
-  fit(&v, &e, &v.from);
-  for (int pass = 0; pass < 2 && !status; pass++) { /* the boxes are wide: look at the surfaces themselves */
-    e = nothing;
-    for (size_t i = 0; i < count && !status; i++) {
-      size_t before = e.n;
-      status = add_surface(&v, fields[i], isos[i], boxes[i], &e);
-      if (e.n == before) add_box(&v, boxes[i], &e);
-    }
-    for (size_t i = 0; i < n; i++) add_point(&v, points[i], &e);
-    if (e.n) fit(&v, &e, &v.from);
-  }
+  status = frame(fields, isos, boxes, count, points, n, &v);
   skf_box all = box_empty();
   for (size_t i = 0; i < count; i++) all = box_join(all, boxes[i]);
   skf_free(boxes);
