@@ -9,7 +9,7 @@ const double chart_ink[4] = {0.1, 0.1, 0.1, 1};
 static const double soft_ink[4] = {0.38, 0.38, 0.38, 1};
 
 double scale_share(const color_scale *s, double v) {
-  if (s->log) return log(fabs(v) / s->lo) / log(s->hi / s->lo);
+  if (s->log) return (log(fabs(v)) - log(s->lo)) / (log(s->hi) - log(s->lo));
   if (isinf(v)) return v;
   return (v - s->lo) / (s->hi - s->lo);
 }
@@ -181,7 +181,7 @@ static void bar_body(chart *c, const color_scale *s, double l, double t, double 
   int w = (int)(r - l), h = (int)(b - t);
   for (int j = 0; j < h; j++) {
     double share = 1 - (j + 0.5) / h;
-    double value = s->log ? s->lo * pow(s->hi / s->lo, share) : s->lo + share * (s->hi - s->lo);
+    double value = s->log ? exp(log(s->lo) + share * (log(s->hi) - log(s->lo))) : s->lo + share * (s->hi - s->lo);
     unsigned char row[3 * 256], rgb[3];
     scale_color(s, value, rgb);
     for (int i = 0; i < w && i < 256; i++) memcpy(row + 3 * i, rgb, 3);

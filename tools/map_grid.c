@@ -130,7 +130,7 @@ static double *some_sorted(const double *value, size_t n, bool log, size_t *coun
 /* Where few values lie far beyond the others, the range ends with the others. */
 static void choose_range(const double *v, size_t n, bool log, double *lo, double *hi) {
   double q0 = v[n / 100], q1 = v[n - 1 - n / 50], ends[2] = {v[0], v[n - 1]};
-  double slack = log ? q1 / q0 : q1 - q0;
+  double slack = log ? fmin(q1 / q0, 1e300) : q1 - q0;
   if (log ? ends[0] < q0 / slack : ends[0] < q0 - slack) ends[0] = q0;
   if (log ? ends[1] > q1 * slack : ends[1] > q1 + slack) ends[1] = q1;
   if (isnan(*lo)) *lo = ends[0];

@@ -53,7 +53,7 @@ ticks ticks_linear(double lo, double hi, int about) {
 ticks ticks_log(double lo, double hi, int about) {
   ticks t = {0};
   int first = (int)floor(log10(lo)), last = (int)ceil(log10(hi));
-  double decades = log10(hi / lo);
+  double decades = log10(hi) - log10(lo); /* the quotient may overflow */
   int stride = (int)ceil(decades / about);
   if (stride < 1) stride = 1;
   for (int e = first; e <= last; e++)
