@@ -75,9 +75,10 @@ static void batch_vector_total(size_t n, const skf_batch_sum *sum, int k, double
 #define SKF_BATCH_LOOP(name)                                                                                           \
   static size_t batch_##name(const skf_prepared *e, size_t n, const double *const p[3], double *const out[4],          \
                              unsigned char *redo) {                                                                    \
+    const skf_prepared here = *e; /* no store below can change it */                                                   \
     size_t count = 0;                                                                                                  \
     for (size_t i = 0; i < n; i += SKF_LANES) {                                                                        \
-      skf_vvalue v = name(e, (skf_v3d){vd_load(p[0] + i), vd_load(p[1] + i), vd_load(p[2] + i)});                      \
+      skf_vvalue v = name(&here, (skf_v3d){vd_load(p[0] + i), vd_load(p[1] + i), vd_load(p[2] + i)});                  \
       count = vv_keep(&v, i, out, redo, count);                                                                        \
     }                                                                                                                  \
     return count;                                                                                                      \
