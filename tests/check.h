@@ -21,6 +21,6 @@
                bound_);                                                                                                \
   } while (0)
 
-#define check_close(got, want, tol) check_scaled(got, want, fabs(want), tol)
+#define check_close(got, want, tol) check_scaled(got, want, fabs((double)(want)), tol)
 
 #endif

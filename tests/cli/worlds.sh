@@ -44,15 +44,19 @@ flies() {
   touched=$(awk -F, 'NR > 1 { printf "%s%s", (NR > 2 ? " " : ""), $2 }' "$1.contacts.csv")
   expect "$1 is touched by: ${2:-nobody}" [ "$touched" = "$2" ]
 }
-flies donut "stone jumper"
-flies cigar jumper
+if has geographiclib; then # these launch a particle from the ground
+  flies donut "stone jumper"
+  flies cigar jumper
+  flies eros boulder
+fi
 flies cross stone
-flies eros boulder
 flies kleopatra ""
 flies gaussian ""
 
-# The bow comes back to its start after half of the flight; the stone on the axis never leaves it.
-expect_close "the bow returns" "$(awk -F, '$2 == "bow" { d = $1 - 22156.628; if (d < 0) d = -d
-  if (!n++ || d < best) { best = d; x = $3 } } END { print x }' donut.csv)" 1.8e7 2e-3
-expect "the fall stays on the axis" awk -F, '$2 == "faller" && ($3 != 0 || $4 != 0) { exit 1 }' donut.csv
+if has geographiclib; then
+  # The bow comes back to its start after half of the flight; the stone on the axis never leaves it.
+  expect_close "the bow returns" "$(awk -F, '$2 == "bow" { d = $1 - 22156.628; if (d < 0) d = -d
+    if (!n++ || d < best) { best = d; x = $3 } } END { print x }' donut.csv)" 1.8e7 2e-3
+  expect "the fall stays on the axis" awk -F, '$2 == "faller" && ($3 != 0 || $4 != 0) { exit 1 }' donut.csv
+fi
 tap_done

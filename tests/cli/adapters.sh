@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: MIT
+# What CGAL, OpenCV, GeographicLib and HDF5 serve works where the program was built with them; where it was not, the
+# command says so in one line, fails, and writes nothing.
+. "$(dirname "$0")/harness.sh"
+
+# serves ADAPTER NAME FILE ARGUMENTS...: the command makes the file, or refuses for want of the adapter
+serves() {
+  local adapter=$1 name=$2 file=$3
+  shift 3
+  run "$@"
+  if has "$adapter"; then
+    expect_status "$name" 0
+    expect_file "$name leaves its file" "$file"
+  else
+    missing() { [ "$ran_status" -eq 1 ] && [ "$(wc -l <"$kept/err")" -eq 1 ] && grep -qiE "^skelfield: .*$adapter" "$kept/err"; }
+    expect "$name: there is no $adapter" missing
+    expect_nothing_written "$name writes nothing"
+  fi
+}
+
+serves opencv "a map" map.png map "$data/gaussian.yaml" -o map.png --size 320x240
+serves opencv "a snapshot" snapshot.png render "$data/gaussian.yaml" -o snapshot.png --size 60x40
+serves geographiclib "a launch" launch.csv simulate "$data/cigar.yaml" -o launch.csv
+serves hdf5 "a trajectory in HDF5" run.h5 simulate "$data/gaussian.yaml" -o run.h5
+
+if has opencv; then
+  for picture in map.png snapshot.png; do
+    expect "$picture is a PNG" [ "$(head -c 8 "$picture" | od -An -tx1 | tr -d ' ')" = 89504e470d0a1a0a ]
+  done
+fi
+
+run validate "$data/gaussian.yaml"
+expect_status "a checked surface, with or without CGAL" 0
+if has cgal; then
+  expect_out "CGAL was asked" 'no self-intersections .*\(CGAL, exact\)'
+else
+  expect_out "CGAL is missed" 'no CGAL'
+fi
+
+# Picture codecs and CGAL are not loaded with the program: it starts for every point that is evaluated.
+libraries() { ldd "$SKF_PROGRAM" | grep -E 'opencv|gdal|CGAL|hdf5'; }
+expect "heavy libraries are not linked" eval '! libraries'
+tap_done
