@@ -8,16 +8,18 @@
 
 static const double dark[4] = {0.05, 0.05, 0.05, 1}, white[4] = {1, 1, 1, 1}, red[4] = {0.9, 0.05, 0.1, 1};
 
+/* From a to b by the share t; the nearer one where one of them is infinite or missing. */
+static double blend(double a, double b, double t) {
+  double m = a + t * (b - a);
+  return isfinite(m) ? m : t < 0.5 ? a : b;
+}
+
 /* Value at a place in grid units, between the samples; beyond the outermost ones as at them. */
 static double value_at(const map_grid *g, double x, double y) {
   x = fmin(fmax(x, 0), g->nx - 1), y = fmin(fmax(y, 0), g->ny - 1);
   int i = x < g->nx - 1 ? (int)x : g->nx - 2, k = y < g->ny - 1 ? (int)y : g->ny - 2;
-  const double *v = g->value + (size_t)k * g->nx + i;
-  double s = x - i, t = y - k;
-  double top = s > 0 ? s < 1 ? v[0] + s * (v[1] - v[0]) : v[1] : v[0];
-  const double *b = v + g->nx;
-  double bottom = s > 0 ? s < 1 ? b[0] + s * (b[1] - b[0]) : b[1] : b[0];
-  return t > 0 ? t < 1 ? top + t * (bottom - top) : bottom : top;
+  const double *v = g->value + (size_t)k * g->nx + i, *below = v + g->nx;
+  return blend(blend(v[0], v[1], x - i), blend(below[0], below[1], x - i), y - k);
 }
 
 static int paint(map_job *j) {
