@@ -11,7 +11,7 @@ shape() {
 }
 shape donut 6e5 1 1 8.72497e20
 shape cigar 1e6 1 0 5.08938e21   # 4/3 pi 15e6 9e6^2
-shape cross 1e6 1 0 2.45388e21
+shape cross 6e5 1 0 6.548526e20
 shape eros 900 1 0 2.503e12
 shape kleopatra 6000 1 0 8.76798e14 # of a ball of 118.75 km
 shape gaussian 0.1 1 0 2.41715   # of a ball of radius sqrt(ln 2)
@@ -28,8 +28,9 @@ reaches() {
 reaches donut "1 0 0" 11608440.42 1e-8
 reaches cigar "1 0 0" 1.5e7 1e-12
 reaches cigar "0 0.6 0.8" 9e6 1e-12
-reaches cross "0 -1 0" 1.1e7 1e-6
-reaches cross "0 0 1" 6.878e6 1e-4
+reaches cross "0 -1 0" 1.015e7 1e-6
+reaches cross "0 0 1" 3.943202e6 1e-6
+reaches cross "0.70710678118654752 0.70710678118654752 0" 5.235394e6 1e-6
 reaches eros "1 0 0" 14330.643 1e-6
 reaches eros "0 0 1" 6457.334 1e-6
 reaches kleopatra "1 0 0" 110e3 2e-3
