@@ -66,10 +66,22 @@ static bool draw(const path_view *v, const skf_vec3 *path, size_t n, const doubl
   return true;
 }
 
+/* A point on ground that slopes steeply away lies within a pixel of the ground that the picture shows. */
+static bool lies_near(const path_view *v, const spot *s) {
+  for (int dy = -1; dy <= 1; dy++)
+    for (int dx = -1; dx <= 1; dx++) {
+      double x = s->xy[0] + dx, y = s->xy[1] + dy;
+      if (!(x >= 0 && y >= 0 && x < v->width && y < v->height)) continue;
+      float depth = v->depth[(size_t)y * v->width + (size_t)x];
+      if (isfinite(depth) && s->distance <= 1.001 * depth) return true;
+    }
+  return false;
+}
+
 static void dot(const path_view *v, skf_vec3 p, double radius, const double rgba[4]) {
   spot s = project(v, p);
   double disc[24][2];
-  if (!s.seen) return;
+  if (!s.seen && !(s.distance > 0 && lies_near(v, &s))) return;
   for (int layer = 0; layer < 2; layer++) {
     double r = radius * (layer ? 1 : 1.35);
     for (int k = 0; k < 24; k++) {
