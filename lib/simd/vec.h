@@ -1,82 +1,141 @@
 /* SPDX-License-Identifier: MIT */
-/* Four doubles side by side. Every operation is one correctly rounded IEEE operation per lane, so that the AVX2 form
-   and the plain form give the same bits; products are fused with sums only where vd_fma says so. */
+/* Numbers side by side. The translation unit says how many bytes a vector has, SKF_VEC_BYTES (32 unless told, 64), and
+   with SKF_VEC_FLOAT that they are floats: what is written with these names is then compiled for 4 or 8 doubles, for 8
+   or 16 floats. Every operation is one correctly rounded IEEE operation per lane, so that each instruction set and each
+   number of lanes gives the same bits; products are fused with sums only where vd_fma says so. */
 #ifndef SKF_SIMD_VEC_H
 #define SKF_SIMD_VEC_H
 
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <string.h>
-#if defined(__AVX2__) && defined(__FMA__)
+
+#ifndef SKF_VEC_BYTES
+#define SKF_VEC_BYTES 32
+#endif
+
+#ifdef SKF_VEC_FLOAT
+typedef float skf_real;
+typedef int skf_whole;
+typedef unsigned skf_bits;
+#define SKF_PICK(for_double, for_float) ((skf_real)(for_float))
+enum { SKF_MANTISSA = 23, SKF_BIAS = 127 };
+#else
+typedef double skf_real;
+typedef long long skf_whole;
+typedef unsigned long long skf_bits;
+/* A constant that depends on the type */
+#define SKF_PICK(for_double, for_float) ((skf_real)(for_double))
+enum { SKF_MANTISSA = 52, SKF_BIAS = 1023 };
+#endif
+
+enum { SKF_LANES = SKF_VEC_BYTES / sizeof(skf_real) };
+
+typedef skf_real skf_vd __attribute__((vector_size(SKF_VEC_BYTES)));
+typedef skf_whole skf_vi __attribute__((vector_size(SKF_VEC_BYTES))); /* also a mask: 0 or -1 in each lane */
+typedef skf_bits skf_vu __attribute__((vector_size(SKF_VEC_BYTES)));
+
+#if SKF_VEC_BYTES == 64 && defined(__AVX512F__) && defined(__AVX512DQ__)
 #include <immintrin.h>
+#ifdef SKF_VEC_FLOAT
+#define SKF_MM(name) _mm512_##name##_ps
+typedef __m512 skf_mm;
+#else
+#define SKF_MM(name) _mm512_##name##_pd
+typedef __m512d skf_mm;
+#endif
+#elif SKF_VEC_BYTES == 32 && defined(__AVX2__) && defined(__FMA__)
+#include <immintrin.h>
+#ifdef SKF_VEC_FLOAT
+#define SKF_MM(name) _mm256_##name##_ps
+typedef __m256 skf_mm;
+#else
+#define SKF_MM(name) _mm256_##name##_pd
+typedef __m256d skf_mm;
+#endif
 #else
 #pragma GCC diagnostic ignored "-Wpsabi" /* all is inline: no ABI */
 #endif
 
-enum { SKF_LANES = 4 };
-
-typedef double skf_vd __attribute__((vector_size(32)));
-typedef long long skf_vi __attribute__((vector_size(32))); /* also a mask: 0 or -1 in each lane */
-
 #define SKF_INLINE static inline __attribute__((always_inline))
 
-SKF_INLINE skf_vd vd_set(double a) { return (skf_vd){a, a, a, a}; }
-SKF_INLINE skf_vi vi_set(long long a) { return (skf_vi){a, a, a, a}; }
+/* (a - 0 is a, the sign of 0 with it.) */
+SKF_INLINE skf_vd vd_set(double a) { return (skf_real)a - (skf_vd){0}; }
+SKF_INLINE skf_vi vi_set(long long a) { return (skf_whole)a - (skf_vi){0}; }
 
-SKF_INLINE skf_vd vd_load(const double *p) {
+SKF_INLINE skf_vd vd_load(const skf_real *p) {
   skf_vd v;
   memcpy(&v, p, sizeof v);
   return v;
 }
 
-SKF_INLINE void vd_store(double *p, skf_vd v) { memcpy(p, &v, sizeof v); }
+SKF_INLINE void vd_store(skf_real *p, skf_vd v) { memcpy(p, &v, sizeof v); }
 
 /* The sign bit stays out of |a|; vd_sign(a) keeps nothing else. */
-SKF_INLINE skf_vi vd_sign(skf_vd a) { return (skf_vi)a & vi_set((long long)0x8000000000000000u); }
-SKF_INLINE skf_vd vd_abs(skf_vd a) { return (skf_vd)((skf_vi)a & vi_set(0x7fffffffffffffff)); }
+SKF_INLINE skf_vi vi_sign_bit(void) { return vi_set((long long)((skf_bits)1 << (8 * sizeof(skf_real) - 1))); }
+SKF_INLINE skf_vi vd_sign(skf_vd a) { return (skf_vi)a & vi_sign_bit(); }
+SKF_INLINE skf_vd vd_abs(skf_vd a) { return (skf_vd)((skf_vi)a & ~vi_sign_bit()); }
 
-#if defined(__AVX2__) && defined(__FMA__)
+#ifdef SKF_MM
 /* a b + c, rounded once */
 SKF_INLINE skf_vd vd_fma(skf_vd a, skf_vd b, skf_vd c) {
-  return (skf_vd)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
+  return (skf_vd)SKF_MM(fmadd)((skf_mm)a, (skf_mm)b, (skf_mm)c);
 }
 /* a b - c and c - a b, rounded once */
 SKF_INLINE skf_vd vd_fms(skf_vd a, skf_vd b, skf_vd c) {
-  return (skf_vd)_mm256_fmsub_pd((__m256d)a, (__m256d)b, (__m256d)c);
+  return (skf_vd)SKF_MM(fmsub)((skf_mm)a, (skf_mm)b, (skf_mm)c);
 }
 SKF_INLINE skf_vd vd_fnma(skf_vd a, skf_vd b, skf_vd c) {
-  return (skf_vd)_mm256_fnmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
+  return (skf_vd)SKF_MM(fnmadd)((skf_mm)a, (skf_mm)b, (skf_mm)c);
 }
-SKF_INLINE skf_vd vd_sqrt(skf_vd a) { return (skf_vd)_mm256_sqrt_pd((__m256d)a); }
+SKF_INLINE skf_vd vd_sqrt(skf_vd a) { return (skf_vd)SKF_MM(sqrt)((skf_mm)a); }
+#if SKF_VEC_BYTES == 64
+#ifdef SKF_VEC_FLOAT
+/* One bit for each lane whose mask is set */
+SKF_INLINE int vi_bits(skf_vi m) { return _mm512_movepi32_mask((__m512i)m); }
+#else
+SKF_INLINE int vi_bits(skf_vi m) { return _mm512_movepi64_mask((__m512i)m); }
+#endif
 /* a where the mask is set, else b */
 SKF_INLINE skf_vd vd_select(skf_vi m, skf_vd a, skf_vd b) {
-  return (skf_vd)_mm256_blendv_pd((__m256d)b, (__m256d)a, (__m256d)m);
+  return (skf_vd)SKF_MM(mask_blend)((unsigned short)vi_bits(m), (skf_mm)b, (skf_mm)a);
 }
-/* One bit for each lane whose mask is set */
-SKF_INLINE int vi_bits(skf_vi m) { return _mm256_movemask_pd((__m256d)m); }
+#else
+SKF_INLINE int vi_bits(skf_vi m) { return SKF_MM(movemask)((skf_mm)m); }
+SKF_INLINE skf_vd vd_select(skf_vi m, skf_vd a, skf_vd b) {
+  return (skf_vd)SKF_MM(blendv)((skf_mm)b, (skf_mm)a, (skf_mm)m);
+}
+#endif
 #else
 SKF_INLINE skf_vd vd_fma(skf_vd a, skf_vd b, skf_vd c) {
-  for (int i = 0; i < SKF_LANES; i++) a[i] = fma(a[i], b[i], c[i]);
+  for (int i = 0; i < SKF_LANES; i++)
+    a[i] = SKF_PICK(fma(a[i], b[i], c[i]), fmaf((float)a[i], (float)b[i], (float)c[i]));
   return a;
 }
 SKF_INLINE skf_vd vd_fms(skf_vd a, skf_vd b, skf_vd c) { return vd_fma(a, b, -c); }
 SKF_INLINE skf_vd vd_fnma(skf_vd a, skf_vd b, skf_vd c) { return vd_fma(-a, b, c); }
 SKF_INLINE skf_vd vd_sqrt(skf_vd a) {
-  for (int i = 0; i < SKF_LANES; i++) a[i] = sqrt(a[i]);
+  for (int i = 0; i < SKF_LANES; i++) a[i] = SKF_PICK(sqrt(a[i]), sqrtf((float)a[i]));
   return a;
 }
 SKF_INLINE skf_vd vd_select(skf_vi m, skf_vd a, skf_vd b) { return (skf_vd)((m & (skf_vi)a) | (~m & (skf_vi)b)); }
-SKF_INLINE int vi_bits(skf_vi m) { return (int)((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8)); }
+SKF_INLINE int vi_bits(skf_vi m) {
+  int bits = 0;
+  for (int i = 0; i < SKF_LANES; i++) bits |= (int)(m[i] & 1) << i;
+  return bits;
+}
 #endif
 
 SKF_INLINE bool vi_any(skf_vi m) { return vi_bits(m) != 0; }
+SKF_INLINE bool vi_all(skf_vi m) { return vi_bits(m) == (1 << SKF_LANES) - 1; }
 SKF_INLINE skf_vd vd_min(skf_vd a, skf_vd b) { return vd_select(a < b, a, b); }
 SKF_INLINE skf_vd vd_max(skf_vd a, skf_vd b) { return vd_select(a > b, a, b); }
 
 /* Neither tiny nor huge nor NaN: products and quotients of such numbers keep their accuracy. */
 SKF_INLINE skf_vi vd_sane(skf_vd a) {
   skf_vd size = vd_abs(a);
-  return (size > vd_set(1e-140)) & (size < vd_set(1e140));
+  return (size > vd_set(SKF_PICK(1e-140, 1e-18))) & (size < vd_set(SKF_PICK(1e140, 1e18)));
 }
 
 #endif
