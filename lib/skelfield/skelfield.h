@@ -6,6 +6,7 @@
 #include "skelfield/core.h"
 #include "skelfield/skeleton.h"
 #include "skelfield/field.h"
+#include "skelfield/handles.h"
 #include "skelfield/ray.h"
 #include "skelfield/render.h"
 #include "skelfield/motion.h"
