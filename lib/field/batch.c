@@ -1,59 +1,157 @@
 /* SPDX-License-Identifier: MIT */
-/* Sums of elements at many points: blocks of points, and for each block one element after the other. */
+/* Elements gathered in tiles; blocks of points, and for each block one tile after the other. */
 #include "field/batch.h"
+#include "core/alloc.h"
 #include <omp.h>
 #include <string.h>
 
+skf_form skf_batch_form_of(const skf_batch_ops *ops, const skf_prepared *e) {
+  skf_kernel_type type = e->kernel.type;
+  skf_shape at = e->primitive.shape;
+  skf_form form = SKF_FORM_COUNT;
+  if (!(fabs(e->strength) < 1e100)) return form; /* its product with a finite value is finite */
+#define X(name, kernel, shape, fits)                                                                                   \
+  if (form == SKF_FORM_COUNT && type == (kernel) && at == (shape) && fits(e)) form = SKF_FORM_##name;
+  SKF_BATCH_FORMS(X)
+#undef X
+  return form < SKF_FORM_COUNT && ops->form[form].add ? form : SKF_FORM_COUNT;
+}
+
+static void fill(const skf_batch_form *form, const skf_prepared *e, double *column, size_t j) {
+  double row[SKF_ROW_MAX];
+  size_t columns = (size_t)(form->pack(e, row + 1) - row);
+  row[0] = e->strength;
+  for (size_t k = 0; k < columns; k++)
+    for (size_t i = j; i < SKF_TILE; i++) column[k * SKF_TILE + i] = k || i == j ? row[k] : 0;
+}
+
+/* Stable: within a form the elements keep their order. */
+skf_status skf_batch_new(const skf_batch_ops *ops, const skf_prepared *elements, size_t count, skf_batch *out) {
+  size_t of[SKF_FORM_COUNT + 1] = {0}, tiles = 0, columns = 0;
+  for (size_t i = 0; i < count; i++) of[skf_batch_form_of(ops, elements + i)]++;
+  for (int f = 0; f <= SKF_FORM_COUNT; f++) {
+    size_t n = (of[f] + SKF_TILE - 1) / SKF_TILE;
+    tiles += n;
+    if (f < SKF_FORM_COUNT) columns += n * ops->form[f].columns * SKF_TILE;
+  }
+  *out = (skf_batch){
+      .ops = ops, .tile = skf_alloc(tiles, sizeof(skf_tile)), .columns = skf_alloc(columns, sizeof(double))};
+  if (!out->tile || !out->columns) return skf_batch_free(out), SKF_ERR_NOMEM;
+  double *column = out->columns;
+  skf_tile *next = out->tile, *open[SKF_FORM_COUNT + 1];
+  for (int f = 0; f <= SKF_FORM_COUNT; f++) {
+    size_t size = f < SKF_FORM_COUNT ? ops->form[f].columns * SKF_TILE : 0;
+    open[f] = next;
+    for (size_t n = (of[f] + SKF_TILE - 1) / SKF_TILE; n > 0; n--, column += size)
+      *next++ = (skf_tile){.form = (skf_form)f, .column = size ? column : NULL};
+  }
+  out->tiles = tiles;
+  for (size_t i = 0; i < count; i++) {
+    skf_form f = skf_batch_form_of(ops, elements + i);
+    skf_tile *t = open[f];
+    t->element[t->count] = elements + i;
+    if (t->column) fill(ops->form + f, elements + i, t->column, t->count);
+    if (++t->count == SKF_TILE) open[f]++;
+  }
+  return SKF_OK;
+}
+
+void skf_batch_free(skf_batch *b) {
+  skf_free(b->tile);
+  skf_free(b->columns);
+  *b = (skf_batch){.tiles = 0};
+}
+
+/* Each rounding error is found exactly [Knuth] and summed apart [Neumaier 1974]. */
+static void add(double *s, double *low, double b) {
+  double a = *s, sum = a + b, t = sum - a;
+  *s = sum;
+  *low += (a - (sum - t)) + (b - t);
+}
+
+static void add_closed(const skf_tile *t, size_t n, const double *const p[3], skf_batch_sum *sum) {
+  for (size_t j = 0; j < t->count; j++)
+    for (size_t i = 0; i < n; i++) {
+      skf_value v = {.F = 0};
+      const skf_prepared *e = t->element[j];
+      skf_element_value(e, v3(p[0][i], p[1][i], p[2][i]), 1, &v);
+      double part[4] = {v.F, v.g.x, v.g.y, v.g.z};
+      for (int k = 0; k < 4; k++) add(sum->s[k] + i, sum->low[k] + i, e->strength * part[k]);
+    }
+}
+
+static void total(size_t n, const skf_batch_sum *sum, int k, double *out) {
+  const double *F = sum->s[0], *s = sum->s[k], *low = sum->low[k];
+  for (size_t i = 0; i < n; i++) {
+    double all = s[i] + low[i], kept = s[i] - s[i] == 0 ? all : s[i];
+    out[i] = k == 0 || F[i] - F[i] == 0 ? kept : 0;
+  }
+}
+
+const skf_batch_ops skf_batch_scalar = {.total = total};
+
+const skf_batch_ops *skf_batch_get(skf_isa isa) {
+#ifdef SKF_HAVE_AVX2
+  if (isa == SKF_ISA_AVX2) return &skf_batch_avx2;
+#endif
+  (void)isa;
+  return &skf_batch_scalar;
+}
+
 typedef struct job {
-  const skf_batch_ops *ops;
-  const skf_prepared *elements;
-  size_t count;
+  const skf_batch *batch;
   const double *const *p;
-  double *F, *const *g;
+  double *out[4]; /* any may be NULL */
 } job;
 
-static void at_point(const skf_prepared *e, const double *const p[3], size_t i, double v[4][SKF_BATCH]) {
-  skf_value value = {.F = 0};
-  skf_element_value(e, v3(p[0][i], p[1][i], p[2][i]), 1, &value);
-  v[0][i] = value.F, v[1][i] = value.g.x, v[2][i] = value.g.y, v[3][i] = value.g.z;
-}
+static size_t padded(size_t n) { return (n + SKF_BATCH_PAD - 1) / SKF_BATCH_PAD * SKF_BATCH_PAD; }
 
-/* n points; where they are padded, `padded` is their number with the padding. */
-static void add_element(const job *j, const skf_prepared *e, size_t n, size_t padded, const double *const p[3],
-                        skf_batch_sum *sum) {
-  double v[4][SKF_BATCH], *const out[4] = {v[0], v[1], v[2], v[3]};
-  skf_batch_fn form = j->ops->pair[e->kernel.type][e->primitive.shape];
-  if (form) {
-    unsigned char redo[SKF_BATCH];
-    size_t bad = form(e, padded, p, out, redo);
-    for (size_t i = 0; i < bad; i++)
-      if (redo[i] < n) at_point(e, p, redo[i], v);
-  } else
-    for (size_t i = 0; i < n; i++) at_point(e, p, i, v);
-  (e == j->elements ? j->ops->set : j->ops->add)(n, e->strength, v, sum);
-}
-
-static void block(const job *j, size_t from, size_t n) {
-  skf_batch_sum sum;
-  double pad[3][SKF_BATCH];
-  const double *p[3] = {j->p[0] + from, j->p[1] + from, j->p[2] + from};
-  size_t padded = (n + SKF_BATCH_PAD - 1) / SKF_BATCH_PAD * SKF_BATCH_PAD;
-  for (int k = 0; k < 3 && padded > n; k++) { /* the last point again */
+/* n points from `from` on, up to SKF_BATCH, the last one again as padding. */
+static void pad(const job *j, size_t from, size_t n, double pad[3][SKF_BATCH], const double *p[3]) {
+  for (int k = 0; k < 3; k++) {
+    p[k] = j->p[k] + from;
+    if (n == padded(n)) continue;
     memcpy(pad[k], p[k], n * sizeof(double));
-    for (size_t i = n; i < padded; i++) pad[k][i] = p[k][n - 1];
+    for (size_t i = n; i < padded(n); i++) pad[k][i] = p[k][n - 1];
     p[k] = pad[k];
   }
-  if (j->count == 0) memset(&sum, 0, sizeof sum);
-  for (size_t i = 0; i < j->count; i++) add_element(j, j->elements + i, n, padded, p, &sum);
-  if (j->F) j->ops->total(n, &sum, 0, j->F + from);
-  for (int k = 0; j->g && k < 3; k++)
-    if (j->g[k]) j->ops->total(n, &sum, k + 1, j->g[k] + from);
 }
 
-void skf_batch_eval(const skf_batch_ops *ops, const skf_prepared *elements, size_t count, size_t n,
-                    const double *const p[3], double *F, double *const g[3]) {
-  job j = {ops, elements, count, p, F, g};
-  if (n * count < 2048) { /* waking threads would cost more than the work, even to find one thread only: 0.4 us */
+static void sum_block(const job *j, size_t from, size_t n) {
+  skf_batch_sum sum;
+  const skf_batch *b = j->batch;
+  double room[3][SKF_BATCH];
+  const double *p[3];
+  pad(j, from, n, room, p);
+  if (b->tiles == 0 || !b->tile->column) memset(&sum, 0, sizeof sum);
+  for (size_t i = 0; i < b->tiles; i++) {
+    const skf_tile *t = b->tile + i;
+    if (t->column)
+      b->ops->form[t->form].add(t, padded(n), p, &sum, i == 0);
+    else
+      add_closed(t, n, p, &sum);
+  }
+  for (int k = 0; k < 4; k++)
+    if (j->out[k]) b->ops->total(n, &sum, k, j->out[k] + from);
+}
+
+/* One element: no sum, straight into the outputs but for those that are missing and the last few points. */
+static void one_block(const job *j, size_t from, size_t n) {
+  const skf_tile *t = j->batch->tile;
+  double room[3][SKF_BATCH], spare[4][SKF_BATCH], *out[4];
+  const double *p[3];
+  pad(j, from, n, room, p);
+  for (int k = 0; k < 4; k++) out[k] = j->out[k] && n == padded(n) ? j->out[k] + from : spare[k];
+  j->batch->ops->form[t->form].one(t, padded(n), p, out);
+  for (int k = 0; k < 4 && n < padded(n); k++)
+    if (j->out[k]) memcpy(j->out[k] + from, spare[k], n * sizeof(double));
+}
+
+void skf_batch_eval(const skf_batch *b, size_t n, const double *const p[3], double *F, double *const g[3]) {
+  job j = {b, p, {F, g ? g[0] : NULL, g ? g[1] : NULL, g ? g[2] : NULL}};
+  void (*block)(const job *, size_t, size_t) =
+      b->tiles == 1 && b->tile->column && b->tile->count == 1 ? one_block : sum_block;
+  if (n * b->tiles < 2048) { /* waking threads would cost more than the work, even to find one thread only: 0.4 us */
     for (size_t from = 0; from < n; from += SKF_BATCH) block(&j, from, n - from < SKF_BATCH ? n - from : SKF_BATCH);
     return;
   }

@@ -1,39 +1,65 @@
 /* SPDX-License-Identifier: MIT */
-/* One element at many points: the pairs that have a vector form, in one table for each instruction set. */
+/* Sums of elements at many points. Elements of one form are gathered in tiles, their constants side by side, so that a
+   form may be evaluated with points as lanes (each constant broadcast) or with elements as lanes (constants loaded). */
 #ifndef SKF_FIELD_BATCH_H
 #define SKF_FIELD_BATCH_H
 
-#include "field/kernel.h"
+#include "field/batch_forms.h"
 #include "simd/isa.h"
 
-/* Points at once; a multiple of every instruction set's lanes. */
-enum { SKF_BATCH = 128, SKF_BATCH_PAD = 4 };
+/* Points in a block; points are padded to SKF_BATCH_PAD, a multiple of what a loop takes at once on every instruction
+   set; elements in a tile, a multiple of every instruction set's lanes; constants of an element at most. */
+enum { SKF_BATCH = 128, SKF_BATCH_PAD = 8, SKF_TILE = 8, SKF_ROW_MAX = 128 };
 
-/* F and the gradient at n points, a multiple of SKF_BATCH_PAD up to SKF_BATCH: out[0] = F, out[1..3] the gradient,
-   strength not in them. What comes out at a point depends on this point alone. Points where the vector form is not
-   accurate (next to the body, on singular sets, out of range) are listed in `redo` for the closed form, their number is
-   returned. */
-typedef size_t (*skf_batch_fn)(const skf_prepared *e, size_t n, const double *const p[3], double *const out[4],
-                               unsigned char *redo);
+/* Up to SKF_TILE elements of one form. column: constant k of element j at [k * SKF_TILE + j], strength first; the last
+   element is repeated with strength 0. NULL when there is no form. */
+typedef struct skf_tile {
+  skf_form form;
+  size_t count;
+  double *column;
+  const skf_prepared *element[SKF_TILE];
+} skf_tile;
 
-/* Sums over elements, with the rounding errors kept apart: F and the gradient. */
+/* Sums over elements with their rounding errors kept apart: F and the gradient. */
 typedef struct skf_batch_sum {
   double s[4][SKF_BATCH], low[4][SKF_BATCH];
 } skf_batch_sum;
 
+/* One form's loops. n is a multiple of SKF_BATCH_PAD. What comes out at a point depends on this point alone. */
+typedef struct skf_batch_form {
+  size_t columns;                                         /* constants of an element, strength included */
+  double *(*pack)(const skf_prepared *e, double *column); /* writes them but the strength; returns the end */
+  /* strength times F and the gradient of the tile's first element: out[0] = F, out[1..3] */
+  void (*one)(const skf_tile *t, size_t n, const double *const p[3], double *const out[4]);
+  /* adds all elements; first: the sum is not set yet */
+  void (*add)(const skf_tile *t, size_t n, const double *const p[3], skf_batch_sum *sum, bool first);
+} skf_batch_form;
+
 typedef struct skf_batch_ops {
-  skf_batch_fn pair[SKF_KERNEL_COUNT][SKF_SHAPE_COUNT]; /* NULL: the closed form at each point */
-  void (*set)(size_t n, double strength, const double v[4][SKF_BATCH], skf_batch_sum *sum);
-  void (*add)(size_t n, double strength, const double v[4][SKF_BATCH], skf_batch_sum *sum);
-  void (*total)(size_t n, const skf_batch_sum *sum, int column, double *out);
+  skf_batch_form form[SKF_FORM_COUNT]; /* zero: none */
+  /* column k of the sum: infinities stay, and where F is not finite the gradient is 0 */
+  void (*total)(size_t n, const skf_batch_sum *sum, int k, double *out);
 } skf_batch_ops;
 
 extern const skf_batch_ops skf_batch_scalar, skf_batch_avx2;
 
 const skf_batch_ops *skf_batch_get(skf_isa isa);
 
-/* F and the gradient of a sum of elements at n points of structure-of-arrays form; any output may be NULL. */
-void skf_batch_eval(const skf_batch_ops *ops, const skf_prepared *elements, size_t count, size_t n,
-                    const double *const p[3], double *F, double *const g[3]);
+/* The form of an element, SKF_FORM_COUNT when there is none. */
+skf_form skf_batch_form_of(const skf_batch_ops *ops, const skf_prepared *e);
+
+/* Elements in tiles, form after form; the elements must live as long. */
+typedef struct skf_batch {
+  const skf_batch_ops *ops;
+  skf_tile *tile;
+  size_t tiles;
+  double *columns;
+} skf_batch;
+
+skf_status skf_batch_new(const skf_batch_ops *ops, const skf_prepared *elements, size_t count, skf_batch *out);
+void skf_batch_free(skf_batch *b);
+
+/* F and the gradient at n points of structure-of-arrays form; any output may be NULL. */
+void skf_batch_eval(const skf_batch *b, size_t n, const double *const p[3], double *F, double *const g[3]);
 
 #endif

@@ -6,70 +6,79 @@
 
 #include "field/batch_span.h"
 
+/* As skf_segment_plan; per_L2 = 1 / L^2; the kernel's parameter, its square and inverse. */
+typedef struct segment_row {
+  skf_v3d from, to, e, e_lo, a;
+  skf_vd L, L2, per_L2, param, param2, per_param;
+} segment_row;
+
+static double *segment_pack(const skf_prepared *e, double *k) {
+  const skf_segment *at = &e->primitive.segment;
+  const skf_segment_plan *s = &e->plan.segment;
+  double L2 = s->length * s->length, param = e->kernel.param;
+  k = pack3(pack3(pack3(pack3(pack3(k, at->from), at->to), s->e), s->e_lo), s->a);
+  k = pack1(pack1(pack1(k, s->length), L2), 1 / L2);
+  return pack1(pack1(pack1(k, param), param * param), 1 / param);
+}
+
 /* n = d x e from the nearer end: w = e x n / L^2 points from the axis to x, h = |n| / L. */
 typedef struct segment_view {
   skf_v3d d0, d1, n;
   skf_vd n0, n1, n2; /* squared lengths */
 } segment_view;
 
-SKF_INLINE segment_view segment_see(const skf_prepared *e, skf_v3d x) {
-  const skf_segment *at = &e->primitive.segment;
-  const skf_segment_plan *s = &e->plan.segment;
-  skf_v3d from = vd3_set(at->from), to = vd3_set(at->to), axis = vd3_set(s->e);
-  segment_view f = {.d0 = vd3_sub(x, from), .d1 = vd3_sub(x, to)};
+SKF_INLINE segment_view segment_see(const segment_row *c, skf_v3d x) {
+  segment_view f = {.d0 = vd3_sub(x, c->from), .d1 = vd3_sub(x, c->to)};
   f.n0 = vd3_dot(f.d0, f.d0), f.n1 = vd3_dot(f.d1, f.d1);
   skf_vi near1 = f.n1 < f.n0;
   skf_v3d d = vd3_select(near1, f.d1, f.d0);
-  f.n = vd3_cross(d, axis);
+  f.n = vd3_cross(d, c->e);
   f.n2 = vd3_dot(f.n, f.n);
-  skf_vi close = vd_set(256) * f.n2 < vd_min(f.n0, f.n1) * vd_set(s->length * s->length);
+  skf_vi close = vd_set(256) * f.n2 < vd_min(f.n0, f.n1) * c->L2;
   if (vi_any(close)) {
-    skf_v3d lo = vd3_lost(x, vd3_select(near1, to, from), d);
-    f.n = vd3_select(close, vd3_add(f.n, vd3_add(vd3_cross(lo, axis), vd3_cross(d, vd3_set(s->e_lo)))), f.n);
+    skf_v3d lo = vd3_lost(x, vd3_select(near1, c->to, c->from), d);
+    f.n = vd3_select(close, vd3_add(f.n, vd3_add(vd3_cross(lo, c->e), vd3_cross(d, c->e_lo))), f.n);
     f.n2 = vd3_dot(f.n, f.n);
   }
   return f;
 }
 
 /* grad F = ends a + g w */
-SKF_INLINE skf_v3d segment_gradient(const skf_prepared *e, const segment_view *f, skf_vd g, skf_vd ends) {
-  const skf_segment_plan *s = &e->plan.segment;
-  skf_v3d w = vd3_cross(vd3_set(s->e), f->n);
-  return vd3_mad(vd3_scale(ends, vd3_set(s->a)), g * vd_set(1 / (s->length * s->length)), w);
+SKF_INLINE skf_v3d segment_gradient(const segment_row *c, const segment_view *f, skf_vd g, skf_vd ends) {
+  return vd3_mad(vd3_scale(ends, c->a), g * c->per_L2, vd3_cross(c->e, f->n));
 }
 
 /* With S = r0 + r1: F = log((S + L)^2 / D), D = S^2 - L^2 = 2 (r0 r1 + d0 d1) = 2 n^2 / (r0 r1 - d0 d1), whichever does
    not cancel; int g dt = -2 L S / (D r0 r1). */
-SKF_INLINE skf_vvalue inverse_segment(const skf_prepared *e, skf_v3d x) {
-  segment_view f = segment_see(e, x);
-  skf_vd L = vd_set(e->plan.segment.length), r0 = vd_sqrt(f.n0), r1 = vd_sqrt(f.n1), rr = r0 * r1, S = r0 + r1;
+SKF_INLINE skf_vvalue inverse_segment(const segment_row *c, skf_v3d x) {
+  segment_view f = segment_see(c, x);
+  skf_vd L = c->L, r0 = vd_sqrt(f.n0), r1 = vd_sqrt(f.n1), rr = r0 * r1, S = r0 + r1;
   skf_vd dot = vd3_dot(f.d0, f.d1), up = vd_abs(dot) + rr, two = vd_set(2);
   skf_vi between = dot < vd_set(0);
   skf_vd D = vd_select(between, two * f.n2, two * up), per = vd_select(between, up, vd_set(1)); /* D / per */
   skf_vd far = (S + L) * per, F = vd_log_ratio((S + L) * far, D, two * L * far);
-  skf_vd sum = -vd3_dot(vd3_add(f.d0, f.d1), vd3_set(e->plan.segment.a)); /* t0 + t1 */
+  skf_vd sum = -vd3_dot(vd3_add(f.d0, f.d1), c->a); /* t0 + t1 */
   skf_vd bottom = D * (rr * S), inv = vd_set(1) / bottom;
   skf_vd g = vd_set(-2) * L * (S * S) * per * inv, ends = L * sum * D * inv;
-  return (skf_vvalue){F, segment_gradient(e, &f, g, ends), vd_sane(bottom) & vd_sane(D) & vd_sane(far)};
+  return (skf_vvalue){F, segment_gradient(c, &f, g, ends), vd_sane(bottom) & vd_sane(D) & vd_sane(far)};
 }
 
 /* cauchy.c's segment, the quotients gathered into two. */
-SKF_INLINE skf_vvalue cauchy_segment(const skf_prepared *e, skf_v3d x) {
-  const skf_segment_plan *s = &e->plan.segment;
-  double p = e->kernel.param, L = s->length, p2 = p * p;
-  segment_view f = segment_see(e, x);
-  skf_vd one = vd_set(1), P2 = vd_fma(vd_set(p2 / (L * L)), f.n2, one), P = vd_sqrt(P2);
-  skf_vd W0 = vd_fma(vd_set(p2), f.n0, one), W1 = vd_fma(vd_set(p2), f.n1, one), N = vd_sqrt(W0 * W1);
-  skf_vd t0 = -vd3_dot(f.d0, vd3_set(s->a)), t1 = -vd3_dot(f.d1, vd3_set(s->a)), sum = t0 + t1;
-  skf_vd tt = vd_set(p2) * t0 * t1;
-  span_view a = span_see(vd_set(p * L) * P, P2 + tt, N, P2 - tt, vd_set(p) * P * sum);
-  skf_vd per = one / (P * P2), F = vd_set(1 / p) * span_second(&a, a.c) * per;
-  skf_vd g = vd_set(-4 * p) * span_fourth(&a, a.c) * (per * per * P);
-  skf_vd per_N2 = a.per_N * a.per_N, ends = vd_set(p2 * L) * sum * (W0 + W1) * (per_N2 * per_N2);
-  return (skf_vvalue){F, segment_gradient(e, &f, g, ends), a.good & vd_sane(P * P2)};
+SKF_INLINE skf_vvalue cauchy_segment(const segment_row *c, skf_v3d x) {
+  skf_vd p = c->param, p2 = c->param2, L = c->L;
+  segment_view f = segment_see(c, x);
+  skf_vd one = vd_set(1), P2 = vd_fma(p2 * c->per_L2, f.n2, one), P = vd_sqrt(P2);
+  skf_vd W0 = vd_fma(p2, f.n0, one), W1 = vd_fma(p2, f.n1, one), N = vd_sqrt(W0 * W1);
+  skf_vd t0 = -vd3_dot(f.d0, c->a), t1 = -vd3_dot(f.d1, c->a), sum = t0 + t1;
+  skf_vd tt = p2 * t0 * t1;
+  span_view a = span_see(p * L * P, P2 + tt, N, P2 - tt, p * P * sum);
+  skf_vd per = one / (P * P2), F = c->per_param * span_second(&a, a.c) * per;
+  skf_vd g = vd_set(-4) * p * span_fourth(&a, a.c) * (per * per * P);
+  skf_vd per_N2 = a.per_N * a.per_N, ends = p2 * L * sum * (W0 + W1) * (per_N2 * per_N2);
+  return (skf_vvalue){F, segment_gradient(c, &f, g, ends), a.good & vd_sane(P * P2)};
 }
 
-SKF_BATCH_LOOP(inverse_segment)
-SKF_BATCH_LOOP(cauchy_segment)
+SKF_BATCH_FORM(inverse_segment, segment, skf_again_none)
+SKF_BATCH_FORM(cauchy_segment, segment, skf_again_none)
 
 #endif

@@ -10,16 +10,32 @@
 #define FAR_DIAMETERS 5
 enum { FAR_NODES = 7 };
 
-SKF_INLINE skf_vvalue far_triangle(const skf_triangle_plan *T, skf_v3d to_first) {
+/* As skf_triangle_plan; t, n1 the direction and outward normal of the longest edge */
+typedef struct triangle_row {
+  skf_v3d v[3], m[3], side, base, n, t, n1;
+  skf_vd L[3], c[3], s[3], twice, half_area, far;
+} triangle_row;
+
+static double *triangle_pack(const skf_prepared *e, double *k) {
+  const skf_triangle_plan *T = &e->plan.triangle;
+  for (int i = 0; i < 3; i++) k = pack3(k, T->v[i]);
+  for (int i = 0; i < 3; i++) k = pack3(k, T->m[i]);
+  k = pack3(pack3(k, v3_sub(T->v[1], T->v[0])), v3_sub(T->v[2], T->v[1]));
+  k = pack3(pack3(pack3(k, T->n), T->t[T->longest]), T->m[T->longest]);
+  for (int i = 0; i < 3; i++) k = pack1(k, T->L[i]);
+  for (int i = 0; i < 3; i++) k = pack1(k, T->c[i]);
+  for (int i = 0; i < 3; i++) k = pack1(k, T->s[i]);
+  return pack1(pack1(pack1(k, T->twice), 0.5 * T->area), FAR_DIAMETERS * T->diam);
+}
+
+SKF_INLINE skf_vvalue far_triangle(const triangle_row *T, skf_v3d to_first) {
   const skf_gauss_node *node = skf_gauss_rule(FAR_NODES);
-  skf_vec3 side = v3_sub(T->v[1], T->v[0]), base = v3_sub(T->v[2], T->v[1]);
   skf_vvalue v = {.good = vi_set(-1)};
   for (int i = 0; i < FAR_NODES; i++)
     for (int j = 0; j < FAR_NODES; j++) {
-      double xi = 0.5 * (1 + node[i].x), w = 0.5 * T->area * node[i].w * xi * node[j].w;
-      skf_vec3 offset = v3_mad(v3_scale(xi, side), 0.5 * xi * (1 + node[j].x), base);
-      skf_v3d X = vd3_add(to_first, vd3_set(offset));
-      skf_vd per_r = vd_set(1) / vd_sqrt(vd3_dot(X, X)), h = vd_set(w) * per_r;
+      double xi = 0.5 * (1 + node[i].x), eta = 0.5 * xi * (1 + node[j].x);
+      skf_v3d X = vd3_mad(vd3_mad(to_first, vd_set(xi), T->side), vd_set(eta), T->base);
+      skf_vd per_r = vd_set(1) / vd_sqrt(vd3_dot(X, X)), h = vd_set(node[i].w * xi * node[j].w) * T->half_area * per_r;
       v.F += h;
       v.g = vd3_mad(v.g, h * (per_r * per_r), X);
     }
@@ -28,24 +44,24 @@ SKF_INLINE skf_vvalue far_triangle(const skf_triangle_plan *T, skf_v3d to_first)
 
 /* As triangle_inverse.c; the solid angle from its tangent [van Oosterom and Strackee 1983]. Where an edge is so near
    that r0 r1 + d0 d1 or this tangent cancel, and where the sums do, the closed form decides. */
-SKF_INLINE skf_vvalue near_triangle(const skf_triangle_plan *T, const skf_v3d a[3], const skf_vd r[3]) {
+SKF_INLINE skf_vvalue near_triangle(const triangle_row *T, const skf_v3d a[3], const skf_vd r[3]) {
   skf_vd two = vd_set(2), F = vd_set(0), gt = F, gm = F, abs_F = F, abs_g = F, den = r[0] * r[1] * r[2], cube = den;
   skf_vi good = vd_sane(den);
   for (int i = 0; i < 3; i++) {
     int j = (i + 1) % 3;
-    skf_vd dot = vd3_dot(a[i], a[j]), rr = r[i] * r[j], near = rr + dot, L = vd_set(T->L[i]), far = r[i] + r[j] + L;
-    skf_vd J = vd_log_ratio(far * far, two * near, two * L * far), part = vd3_dot(a[i], vd3_set(T->m[i])) * J;
+    skf_vd dot = vd3_dot(a[i], a[j]), rr = r[i] * r[j], near = rr + dot, L = T->L[i], far = r[i] + r[j] + L;
+    skf_vd J = vd_log_ratio(far * far, two * near, two * L * far), part = vd3_dot(a[i], T->m[i]) * J;
     good &= vd_set(256) * near > rr;
     den = vd_fma(dot, r[(i + 2) % 3], den);
     F += part;
     abs_F += vd_abs(part);
-    gt = vd_fma(vd_set(T->s[i]), J, gt);
-    gm = vd_fnma(vd_set(T->c[i]), J, gm);
+    gt = vd_fma(T->s[i], J, gt);
+    gm = vd_fnma(T->c[i], J, gm);
     abs_g += J;
   }
   skf_vi first = r[0] < vd_min(r[1], r[2]);
   skf_v3d nearest = vd3_select(first, a[0], vd3_select(r[1] < r[2], a[1], a[2]));
-  skf_vd z = -vd3_dot(nearest, vd3_set(T->n)), az = vd_abs(z), num = az * vd_set(T->twice), zero = vd_set(0);
+  skf_vd z = -vd3_dot(nearest, T->n), az = vd_abs(z), num = az * T->twice, zero = vd_set(0);
   skf_vd solid = two * vd_atan2(num, den), Z = vd_select(z > zero, -solid, vd_select(z < zero, solid, zero));
   F = vd_fnma(az, solid, F);
   abs_F = vd_fma(az, solid, abs_F);
@@ -53,16 +69,15 @@ SKF_INLINE skf_vvalue near_triangle(const skf_triangle_plan *T, const skf_v3d a[
   good &= (vd_set(256) * vd_max(num, vd_abs(den)) > cube) & (abs_F < vd_set(64) * F);
   good &= (den > zero) | (vd_set(0x1p40) * az > r[0]); /* on the face the sign of z decides */
   good &= abs_g + solid < vd_set(128) * size;
-  skf_v3d g = vd3_mad(vd3_scale(gt, vd3_set(T->t[T->longest])), gm, vd3_set(T->m[T->longest]));
-  return (skf_vvalue){F, vd3_mad(g, Z, vd3_set(T->n)), good};
+  skf_v3d g = vd3_mad(vd3_scale(gt, T->t), gm, T->n1);
+  return (skf_vvalue){F, vd3_mad(g, Z, T->n), good};
 }
 
-SKF_INLINE skf_vvalue inverse_triangle(const skf_prepared *e, skf_v3d x) {
-  const skf_triangle_plan *T = &e->plan.triangle;
+SKF_INLINE skf_vvalue inverse_triangle(const triangle_row *T, skf_v3d x) {
   skf_v3d a[3];
   skf_vd r[3];
-  for (int i = 0; i < 3; i++) a[i] = vd3_sub(vd3_set(T->v[i]), x), r[i] = vd_sqrt(vd3_dot(a[i], a[i]));
-  skf_vi far = vd_min(r[0], vd_min(r[1], r[2])) > vd_set(FAR_DIAMETERS * T->diam);
+  for (int i = 0; i < 3; i++) a[i] = vd3_sub(T->v[i], x), r[i] = vd_sqrt(vd3_dot(a[i], a[i]));
+  skf_vi far = vd_min(r[0], vd_min(r[1], r[2])) > T->far;
   int lanes = vi_bits(far);
   if (lanes == 0) return near_triangle(T, a, r);
   skf_vvalue v = far_triangle(T, a[0]);
@@ -72,6 +87,6 @@ SKF_INLINE skf_vvalue inverse_triangle(const skf_prepared *e, skf_v3d x) {
   return (skf_vvalue){vd_select(far, v.F, u.F), vd3_select(far, v.g, u.g), (far & v.good) | (~far & u.good)};
 }
 
-SKF_BATCH_LOOP(inverse_triangle)
+SKF_BATCH_FORM(inverse_triangle, triangle, skf_again_none)
 
 #endif

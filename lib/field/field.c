@@ -9,7 +9,7 @@ struct skf_field {
   size_t n;
   skf_element *elements;
   skf_prepared *prepared;
-  const skf_batch_ops *ops;
+  skf_batch batch;
 };
 
 static skf_status check(const skf_element *e) {
@@ -33,12 +33,13 @@ skf_status skf_field_new(const skf_element *elements, size_t n, skf_field **out)
   if (n) memcpy(f->elements, elements, n * sizeof *elements);
   for (size_t i = 0; i < n; i++) skf_prepare(elements + i, f->prepared + i);
   f->n = n;
-  f->ops = skf_batch_get(skf_isa_pick());
+  skf_status s = skf_batch_new(skf_batch_get(skf_isa_pick()), f->prepared, n, &f->batch);
+  if (s) return skf_field_free(f), s;
   return *out = f, SKF_OK;
 }
 
 void skf_field_free(skf_field *f) {
-  if (f) skf_free(f->elements), skf_free(f->prepared);
+  if (f) skf_free(f->elements), skf_free(f->prepared), skf_batch_free(&f->batch);
   skf_free(f);
 }
 
@@ -88,7 +89,7 @@ double skf_field_tensor_at(const skf_field *f, skf_vec3 p, skf_vec3 *g, double h
 
 skf_status skf_field_eval(const skf_field *f, size_t n, const double *const p[3], double *F, double *const g[3],
                           double *const h[6]) {
-  skf_batch_eval(f->ops, f->prepared, f->n, n, p, F, g);
+  skf_batch_eval(&f->batch, n, p, F, g);
   if (!h) return SKF_OK;
 #pragma omp parallel for schedule(static) if (n * f->n >= 2048)
   for (size_t i = 0; i < n; i++) {

@@ -73,6 +73,16 @@ static skf_primitive unit(skf_shape shape, bool circle) {
   return s;
 }
 
+/* Whether some elements of this pair have a vector form */
+static bool has_form(skf_kernel_type type, skf_shape at) {
+  const skf_batch_ops *ops = skf_batch_get(skf_isa_pick());
+#define X(name, kernel, shape, fits)                                                                                   \
+  if (type == (kernel) && at == (shape) && ops->form[SKF_FORM_##name].add) return true;
+  SKF_BATCH_FORMS(X)
+#undef X
+  return false;
+}
+
 static skf_field *make(const char *isa, const skf_element *e, size_t n) {
   skf_field *f = NULL;
   setenv("SKELFIELD_ISA", isa, 1);
@@ -132,7 +142,7 @@ int main(void) {
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
     for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
       skf_kernel kernel = {(skf_kernel_type)k, 1.5};
-      if (!ops->pair[k][s]) continue;
+      if (!has_form(kernel.type, (skf_shape)s)) continue;
       skf_element one = {unit((skf_shape)s, kernel.type == SKF_INVERSE), kernel, 1}, many[64];
       row(s == SKF_ARC && kernel.type == SKF_INVERSE ? "circle" : skf_shape_get((skf_shape)s)->name, kernel, &one, 1);
       if (s != SKF_POINT) continue;

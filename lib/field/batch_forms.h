@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/* The registry of vector forms: name, kernel, shape, and which elements of this pair it serves. The first row that fits
+   an element is taken; elements that no row fits have their closed form at each point. How a form is written:
+   batch_loop.h; each header of forms is included by batch_table.h. */
+#ifndef SKF_FIELD_BATCH_FORMS_H
+#define SKF_FIELD_BATCH_FORMS_H
+
+#include "field/kernel.h"
+
+static inline bool skf_form_any(const skf_prepared *e) { return e != NULL; }
+static inline bool skf_form_circle(const skf_prepared *e) { return e->plan.arc.full; }
+static inline bool skf_form_open_arc(const skf_prepared *e) { return !e->plan.arc.full; }
+
+#define SKF_BATCH_FORMS(X)                                                                                             \
+  X(cauchy_point, SKF_CAUCHY, SKF_POINT, skf_form_any)                                                                 \
+  X(gaussian_point, SKF_GAUSSIAN, SKF_POINT, skf_form_any)                                                             \
+  X(inverse_point, SKF_INVERSE, SKF_POINT, skf_form_any)                                                               \
+  X(inverse_squared_point, SKF_INVERSE_SQUARED, SKF_POINT, skf_form_any)                                               \
+  X(metaball_point, SKF_METABALL, SKF_POINT, skf_form_any)                                                             \
+  X(soft_object_point, SKF_SOFT_OBJECT, SKF_POINT, skf_form_any)                                                       \
+  X(quartic_point, SKF_QUARTIC, SKF_POINT, skf_form_any)                                                               \
+  X(inverse_segment, SKF_INVERSE, SKF_SEGMENT, skf_form_any)                                                           \
+  X(cauchy_segment, SKF_CAUCHY, SKF_SEGMENT, skf_form_any)                                                             \
+  X(cauchy_arc, SKF_CAUCHY, SKF_ARC, skf_form_open_arc)                                                                \
+  X(cauchy_circle, SKF_CAUCHY, SKF_ARC, skf_form_circle)                                                               \
+  X(inverse_circle, SKF_INVERSE, SKF_ARC, skf_form_circle)                                                             \
+  X(inverse_triangle, SKF_INVERSE, SKF_TRIANGLE, skf_form_any)
+
+typedef enum skf_form {
+#define X(name, kernel, shape, fits) SKF_FORM_##name,
+  SKF_BATCH_FORMS(X)
+#undef X
+      SKF_FORM_COUNT /* none: the closed form */
+} skf_form;
+
+#endif

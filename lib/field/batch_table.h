@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: MIT */
+/* All vector forms, for the translation unit of one instruction set:
+     const skf_batch_ops NAME = {SKF_BATCH_TABLE}; */
+#ifndef SKF_FIELD_BATCH_TABLE_H
+#define SKF_FIELD_BATCH_TABLE_H
+
+#include "field/batch_arc.h"
+#include "field/batch_point.h"
+#include "field/batch_segment.h"
+#include "field/batch_triangle.h"
+
+#define SKF_BATCH_TABLE_ROW(name, kernel, shape, fits) SKF_BATCH_ENTRY(name)
+#define SKF_BATCH_TABLE                                .form = {SKF_BATCH_FORMS(SKF_BATCH_TABLE_ROW)}, .total = batch_total
+
+#endif
