@@ -9,13 +9,15 @@ static void put_key(FILE *f, const char *name, bool required, const char *form, 
   fputc('\n', f);
 }
 
-static void put_section(FILE *f, const skf_section *s) {
+static void put_keys(FILE *f, const skf_key *keys, int count) {
   char form[64];
+  for (int i = 0; i < count; i++)
+    put_key(f, keys[i].name, keys[i].required, skf_key_form(keys + i, form, sizeof form), keys[i].doc, keys[i].unit);
+}
+
+static void put_section(FILE *f, const skf_section *s) {
   fprintf(f, "\n%s: %s\n", s->name, s->doc);
-  for (int i = 0; i < s->count; i++) {
-    const skf_key *k = s->keys + i;
-    put_key(f, k->name, k->required, skf_key_form(k, form, sizeof form), k->doc, k->unit);
-  }
+  put_keys(f, s->keys, s->count);
 }
 
 static void put_shape(FILE *f, const skf_shape_info *s) {
@@ -36,10 +38,22 @@ void cli_help_scene(FILE *f) {
         f);
   for (const skf_section *const *s = skf_sections; *s; s++) put_section(f, *s);
   fputs("\nAn entry of a skeleton is one of the following, each of which may also have\n", f);
-  put_key(f, "strength", false, "a finite number, not 0", "factor of its field (default: 1)", "1");
-  put_key(f, "kernel", false, "{type: ...}", "instead of the body's", NULL);
+  put_keys(f, skf_entry_keys, SKF_ENTRY_KEYS);
   for (int i = 0; i < SKF_SHAPE_COUNT; i++) put_shape(f, skf_shape_get((skf_shape)i));
   for (int i = 0; i < SKF_COMPOUND_COUNT; i++) put_section(f, &skf_compounds[i].section);
+  fputs(
+      "\nhandles: radius (called " SKF_OTHER_RADIUS
+      " where a primitive has a radius of its own), blobbiness and influence set\n"
+      "the kernel's parameter and the strength. Two of radius, blobbiness and the kernel's width give the third and "
+      "the\n"
+      "strength; the width is an influence or the parameter itself. Radius and strength give the parameter, influence\n"
+      "alone gives it and leaves the strength. Inverse and inverse-squared have no width: radius gives the strength.\n"
+      "Were the primitive alone, F = iso at the radius: all around a point, beside a segment's middle, from the middle "
+      "of\n"
+      "an arc along its normal, above a triangle's incentre, above a plane; of several pieces, beside the largest one "
+      "in\n"
+      "the field of them all. Where an entry is silent its material counts, then its body, then its body's material.\n",
+      f);
   fputs("\nkernel: h(r), by its type and its parameter\n", f);
   for (int i = 0; i < SKF_KERNEL_COUNT; i++) {
     const skf_kernel_info *k = skf_kernel_get((skf_kernel_type)i);

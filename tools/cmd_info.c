@@ -71,6 +71,7 @@ const cli_command cmd_info = {
     "For each body: its primitives and their measures (count, length, area), mass, density in force and G M,\n"
     "the bounds of the skeleton and a box that holds the whole surface, and for each kernel on each kind of\n"
     "primitive whether the field is a closed form or adaptive quadrature, to what relative error, and where it\n"
-    "is singular.\n"
+    "is singular. Where handles (radius, blobbiness, influence) gave parameter and strength: these, and the handles\n"
+    "as they came out, the radius found anew on the field of the entry alone.\n"
     "example: skelfield info data/donut.yaml --json",
     run};

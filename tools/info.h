@@ -4,6 +4,7 @@
 #define SKF_TOOLS_INFO_H
 
 #include "cli.h"
+#include "skelfield/handles.h"
 
 typedef struct info_kernel {
   size_t count;

@@ -55,6 +55,30 @@ static void put_kernels(cli_json *j, const info_body *b) {
   json_close(j, ']');
 }
 
+static void put_handles(cli_json *j, const skf_body *body) {
+  json_open(j, "handles", '[');
+  for (size_t i = 0; i < body->handled_count; i++) {
+    const skf_handled *h = body->handled + i;
+    const skf_element *e = body->elements + h->first;
+    const skf_kernel_info *info = skf_kernel_get(e->kernel.type);
+    skf_handles found;
+    if (skf_handles_find(e, h->count, body->iso, &found)) continue;
+    json_open(j, NULL, '{');
+    json_string(j, "entry", h->kind);
+    json_integer(j, "line", body->element_lines[h->first]);
+    json_integer(j, "primitives", (long)h->count);
+    json_number(j, "radius", found.radius);
+    if (info->param) {
+      json_number(j, "blobbiness", found.blobbiness);
+      json_number(j, "influence", found.influence);
+      json_number(j, info->param, e->kernel.param);
+    }
+    json_number(j, "strength", e->strength);
+    json_close(j, '}');
+  }
+  json_close(j, ']');
+}
+
 static void put_body(cli_json *j, const skf_scene *scene, const skf_body *body) {
   info_body b;
   info_gather(scene, body, &b);
@@ -73,6 +97,7 @@ static void put_body(cli_json *j, const skf_scene *scene, const skf_body *body) 
   json_string(j, "surface", info_surface(&b));
   if (b.surface == SKF_OK) put_box(j, "surface_bounds", b.region);
   put_kernels(j, &b);
+  if (body->handled_count) put_handles(j, body);
   if (body->spin.rate != 0) {
     json_open(j, "spin", '{');
     json_vector(j, "axis", body->spin.axis);

@@ -50,12 +50,35 @@ static void put_kernels(FILE *f, const info_body *b) {
   }
 }
 
+enum { HANDLED = 8 }; /* as many are shown */
+
+static void put_handles(FILE *f, const skf_body *body) {
+  for (size_t i = 0; i < body->handled_count; i++) {
+    const skf_handled *h = body->handled + i;
+    const skf_element *e = body->elements + h->first;
+    const skf_kernel_info *info = skf_kernel_get(e->kernel.type);
+    skf_handles found;
+    if (i == HANDLED) {
+      fprintf(f, "  %-*s  and %zu more: --json tells them\n", LABEL, "", body->handled_count - HANDLED);
+      return;
+    }
+    if (skf_handles_find(e, h->count, body->iso, &found)) continue;
+    fprintf(f, "  %-*s%s (line %ld): radius %.10g", LABEL, i ? "" : "handles", h->kind, body->element_lines[h->first],
+            found.radius);
+    if (info->param)
+      fprintf(f, ", blobbiness %.6g, influence %.6g: %s = %.10g", found.blobbiness, found.influence, info->param,
+              e->kernel.param);
+    fprintf(f, "%s strength %.10g\n", info->param ? "," : ":", e->strength);
+  }
+}
+
 static void put_body(FILE *f, const skf_scene *scene, const skf_body *body) {
   info_body b;
   info_gather(scene, body, &b);
   fprintf(f, "body %s (line %ld)\n", body->name, body->line);
   put_primitives(f, &b);
   put_kernels(f, &b);
+  put_handles(f, body);
   fprintf(f, "  %-*s%.10g%s, density %.10g, G M = %.10g\n", LABEL, "mass", b.mass, body->has_mass ? " (given)" : "",
           body->rho, b.gm);
   fprintf(f, "  %-*sF = %.10g: %s", LABEL, "surface", body->iso, info_surface(&b));

@@ -6,11 +6,12 @@
 #include "core/vec3.h"
 #include <float.h>
 #include <stdint.h>
+#include <string.h>
 
 /* A body while it is read: the skeleton waits until the default kernel is known. */
 typedef struct draft {
   skf_body body;
-  skf_default_kernel kernel;
+  skf_style style;
   const skf_node *skeleton;
 } draft;
 
@@ -60,9 +61,11 @@ static skf_status read_ellipsoid(skf_reader *r, const skf_node *map, void *into)
 }
 
 static skf_status read_default_kernel(skf_reader *r, const skf_node *map, void *into) {
-  draft *d = into;
-  d->kernel.given = true;
-  return skf_read_kernel(r, map, &d->kernel.kernel);
+  return skf_read_kernel(r, map, &((draft *)into)->style);
+}
+
+static skf_status read_default_material(skf_reader *r, const skf_node *name, void *into) {
+  return skf_read_material(r, name, &((draft *)into)->style);
 }
 
 static skf_status keep_skeleton(skf_reader *r, const skf_node *list, void *into) {
@@ -74,7 +77,22 @@ static skf_status keep_skeleton(skf_reader *r, const skf_node *list, void *into)
   return s;
 }
 
-enum { KEY_NAME, KEY_ISO, KEY_KERNEL, KEY_MASS, KEY_DENSITY, KEY_SPIN, KEY_SKELETON, KEY_ELLIPSOID, KEY_COLOR, KEYS };
+enum {
+  KEY_NAME,
+  KEY_ISO,
+  KEY_KERNEL,
+  KEY_MASS,
+  KEY_DENSITY,
+  KEY_SPIN,
+  KEY_SKELETON,
+  KEY_ELLIPSOID,
+  KEY_COLOR,
+  KEY_MATERIAL,
+  KEY_RADIUS,
+  KEY_BLOBBINESS,
+  KEY_INFLUENCE,
+  KEYS
+};
 
 static const skf_key body_keys[KEYS] = {
     [KEY_NAME] = {"name", NULL, "unique among the bodies", SKF_KEY_NAME, true, .offset = offsetof(draft, body.name)},
@@ -92,6 +110,11 @@ static const skf_key body_keys[KEYS] = {
                        .form = "{equatorial, polar, ...}"},
     [KEY_COLOR] = {"color", "1", "linear light, for pictures", SKF_KEY_COLOR, false,
                    .offset = offsetof(draft, body.color)},
+    [KEY_MATERIAL] = {"material", NULL, "whose properties it has where it is silent", SKF_KEY_OTHER,
+                      .read = read_default_material, .form = "a material's name"},
+    [KEY_RADIUS] = SKF_RADIUS_KEY(draft, style),
+    [KEY_BLOBBINESS] = SKF_BLOBBINESS_KEY(draft, style),
+    [KEY_INFLUENCE] = SKF_INFLUENCE_KEY(draft, style),
 };
 const skf_section skf_section_body = {"body", "a skeleton, its surface and its mass", body_keys, KEYS};
 
@@ -130,7 +153,9 @@ static skf_status finish(skf_reader *r, draft *d, const skf_node *map, unsigned 
                          "both mass and density in a body, expected one of them");
   }
   b->has_mass = given >> KEY_MASS & 1;
-  skf_status s = skf_read_skeleton(r, d->skeleton, &d->kernel, b);
+  const skf_material *m = d->style.material;
+  if (m && m->has_color && !(given >> KEY_COLOR & 1)) memcpy(b->color, m->color, sizeof b->color);
+  skf_status s = skf_read_skeleton(r, d->skeleton, &d->style, b);
   if (!s) s = set_density(r, b, map);
   if (s) return s;
   s = skf_field_new(b->elements, b->element_count, &b->field);
@@ -142,7 +167,8 @@ static skf_status read_body(skf_reader *r, const skf_node *map, skf_body *out) {
                       .spin = {.axis = {0, 0, 1}},
                       .ellipsoid = {.axis = {0, 0, 1}, .meridian = {1, 0, 0}},
                       .color = {0.8, 0.8, 0.8},
-                      .line = map->line}};
+                      .line = map->line},
+             .style = skf_no_style};
   unsigned given;
   skf_status s = skf_read_map(r, map, &skf_section_body, &d, &given);
   if (!s) s = finish(r, &d, map, given);

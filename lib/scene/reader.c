@@ -3,11 +3,12 @@
 #include "core/alloc.h"
 #include "core/number.h"
 #include "core/vec3.h"
+#include <float.h>
 #include <stdio.h>
 #include <string.h>
 
 const skf_range skf_positive = {0, INFINITY, true}, skf_not_negative = {0, INFINITY, false},
-                skf_fraction = {0, 1, false};
+                skf_fraction = {0, 1, false}, skf_negative = {-INFINITY, -DBL_TRUE_MIN, false};
 
 const skf_node *skf_map_find(const skf_reader *r, const skf_node *map, const char *key) {
   const skf_node *k = skf_node_first(&r->yaml, map);
@@ -27,6 +28,8 @@ long skf_map_line(const skf_reader *r, const skf_node *map, const char *key) {
 static const char *number_form(const skf_range *a, char *text, size_t size) {
   if (!a || (a->lowest == -INFINITY && a->highest == INFINITY))
     snprintf(text, size, "a finite number");
+  else if (a == &skf_negative)
+    snprintf(text, size, "a finite number < 0");
   else if (a->highest == INFINITY)
     snprintf(text, size, "a finite number %s %g", a->open ? ">" : ">=", a->lowest);
   else if (a->open)

@@ -6,11 +6,15 @@
 #include "scene/yaml.h"
 #include "skelfield/scene.h"
 
+typedef struct skf_material skf_material;
+
 typedef struct skf_reader {
   skf_yaml yaml;
   skf_error *error;
   skf_scene *scene;
   const char *folder; /* file names are relative to it */
+  size_t material_count;
+  skf_material *materials;
 } skf_reader;
 
 typedef enum skf_key_type {
@@ -29,7 +33,7 @@ typedef struct skf_range {
   bool open; /* lowest itself is refused */
 } skf_range;
 
-extern const skf_range skf_positive, skf_not_negative, skf_fraction;
+extern const skf_range skf_positive, skf_not_negative, skf_fraction, skf_negative;
 
 typedef struct skf_key {
   const char *name, *unit, *doc;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Scene files: from bytes to a scene. */
 #include "scene/reader.h"
+#include "scene/style.h"
 #include "core/alloc.h"
 #include "core/vec3.h"
 #include <errno.h>
@@ -39,6 +40,7 @@ enum {
   KEY_CAMERA,
   KEY_LIGHTS,
   KEY_BACKGROUND,
+  KEY_MATERIALS,
   KEYS
 };
 
@@ -56,20 +58,15 @@ static const skf_key scene_keys[KEYS] = {
     [KEY_LIGHTS] = {"lights", NULL, "for render", SKF_KEY_OTHER, .read = skf_read_lights, .form = "a list of lights"},
     [KEY_BACKGROUND] = {"background", "1", "linear light, for render", SKF_KEY_COLOR, false,
                         .offset = offsetof(skf_scene, background)},
+    [KEY_MATERIALS] = {"materials", NULL, "named properties of bodies and primitives", SKF_KEY_OTHER,
+                       .read = skf_read_materials, .form = "a list of materials"},
 };
 const skf_section skf_section_scene = {"scene", "the whole file", scene_keys, KEYS};
 
-const skf_section *const skf_sections[] = {&skf_section_scene,
-                                           &skf_section_gravity,
-                                           &skf_section_body,
-                                           &skf_section_spin,
-                                           &skf_section_ellipsoid,
-                                           &skf_section_particle,
-                                           &skf_section_launch,
-                                           &skf_section_simulation,
-                                           &skf_section_camera,
-                                           &skf_section_light,
-                                           NULL};
+const skf_section *const skf_sections[] = {&skf_section_scene,    &skf_section_gravity, &skf_section_material,
+                                           &skf_section_body,     &skf_section_spin,    &skf_section_ellipsoid,
+                                           &skf_section_particle, &skf_section_launch,  &skf_section_simulation,
+                                           &skf_section_camera,   &skf_section_light,   NULL};
 
 /* The first entry of a list that repeats an earlier one's name. */
 typedef struct named {
@@ -107,6 +104,8 @@ static skf_status read_scene(skf_reader *r) {
   if (s) return s;
   const skf_node *version = skf_map_find(r, root, "skelfield");
   if (version && (s = read_version(r, version, r->scene))) return s; /* first: it decides what the rest means */
+  const skf_node *materials = skf_map_find(r, root, "materials");
+  if (materials && (s = skf_read_materials(r, materials, r->scene))) return s; /* the bodies refer to them */
   unsigned given;
   if ((s = skf_read_map(r, root, &skf_section_scene, r->scene, &given))) return s;
   r->scene->has_background = given >> KEY_BACKGROUND & 1;
@@ -128,6 +127,7 @@ skf_status skf_scene_parse(const char *text, size_t length, const char *folder, 
   skf_status s = skf_yaml_read(text, length, &r.yaml, error);
   if (!s) s = read_scene(&r);
   skf_yaml_free(&r.yaml);
+  skf_materials_free(&r);
   if (s) return skf_scene_free(r.scene), s;
   *out = r.scene;
   return SKF_OK;
@@ -177,6 +177,7 @@ void skf_scene_free(skf_scene *scene) {
     skf_free(b->name);
     skf_free(b->elements);
     skf_free(b->element_lines);
+    skf_free(b->handled);
     skf_field_free(b->field);
   }
   for (size_t i = 0; i < scene->particle_count; i++) skf_free(scene->particles[i].name);

@@ -5,40 +5,26 @@
 #include <stdio.h>
 #include <string.h>
 
-static skf_status accept(skf_reader *r, const skf_node *value, void *into) {
-  return (void)r, (void)value, (void)into, SKF_OK;
-}
-
-skf_status skf_read_kernel(skf_reader *r, const skf_node *map, skf_kernel *out) {
-  skf_status s = skf_expect(r, map, SKF_NODE_MAP, "kernel", "{type: ..., and its parameter}");
-  if (s) return s;
-  const skf_node *type = skf_map_find(r, map, "type");
-  if (!type)
-    return skf_error_set(r->error, SKF_ERR_PARSE, map->line, "missing 'type' in kernel, expected the kernel's name");
-  const char *names[SKF_KERNEL_COUNT];
-  for (int i = 0; i < SKF_KERNEL_COUNT; i++) names[i] = skf_kernel_get((skf_kernel_type)i)->name;
-  int chosen;
-  if ((s = skf_read_choice(r, type, "type", names, SKF_KERNEL_COUNT, &chosen))) return s;
-  const skf_kernel_info *info = skf_kernel_get((skf_kernel_type)chosen);
-  out->type = (skf_kernel_type)chosen;
-  out->param = 1;
-  const skf_key keys[] = {
-      {"type", .type = SKF_KEY_OTHER, .required = true, .read = accept},
-      {info->param, .type = SKF_KEY_NUMBER, .required = true, .offset = offsetof(skf_kernel, param),
-       .range = &skf_positive},
-  };
-  char name[64];
-  snprintf(name, sizeof name, "kernel %s", info->name);
-  return skf_read_map(r, map, &(skf_section){name, NULL, keys, info->param ? 2 : 1}, out, NULL);
-}
-
 static skf_status read_own_kernel(skf_reader *r, const skf_node *map, void *into) {
-  skf_entry *e = into;
-  e->kernel.given = true;
-  return skf_read_kernel(r, map, &e->kernel.kernel);
+  return skf_read_kernel(r, map, &((skf_entry *)into)->style);
 }
 
-enum { ENTRY_KEYS = 12, KINDS = SKF_SHAPE_COUNT + SKF_COMPOUND_COUNT };
+static skf_status read_own_material(skf_reader *r, const skf_node *name, void *into) {
+  return skf_read_material(r, name, &((skf_entry *)into)->style);
+}
+
+const skf_key skf_entry_keys[SKF_ENTRY_KEYS] = {
+    {"strength", "1", "factor of its field, not 0 (default: 1)", SKF_KEY_NUMBER,
+     .offset = offsetof(skf_entry, style.strength)},
+    {"kernel", NULL, "instead of the body's", SKF_KEY_OTHER, .read = read_own_kernel, .form = "{type: ...}"},
+    SKF_RADIUS_KEY(skf_entry, style),
+    SKF_BLOBBINESS_KEY(skf_entry, style),
+    SKF_INFLUENCE_KEY(skf_entry, style),
+    {"material", NULL, "whose properties it has where it is silent", SKF_KEY_OTHER, .read = read_own_material,
+     .form = "a material's name"},
+};
+
+enum { ENTRY_KEYS = 6 + SKF_ENTRY_KEYS, KINDS = SKF_SHAPE_COUNT + SKF_COMPOUND_COUNT };
 
 /* The keys of one kind of entry: a primitive's, or a compound's. */
 typedef struct entry_table {
@@ -67,7 +53,7 @@ static int own_keys(int kind, entry_table *t) {
     return n;
   }
   const skf_shape_info *info = skf_shape_get((skf_shape)kind);
-  for (; n < info->param_count && n < ENTRY_KEYS - 2; n++) {
+  for (; n < info->param_count && n < ENTRY_KEYS - SKF_ENTRY_KEYS; n++) {
     const skf_param *p = info->params + n;
     double unit = p->type == SKF_PARAM_ANGLE ? 180 / SKF_PI : 1;
     t->ranges[n] = (skf_range){p->above * unit, p->upto * unit, true};
@@ -83,11 +69,16 @@ static int own_keys(int kind, entry_table *t) {
   return n;
 }
 
-/* The kind's own keys, then strength and kernel. */
+/* The kind's own keys, then those of all. */
 static void make_table(int kind, entry_table *t) {
   int n = own_keys(kind, t);
-  t->keys[n++] = (skf_key){.name = "strength", .type = SKF_KEY_NUMBER, .offset = offsetof(skf_entry, element.strength)};
-  t->keys[n++] = (skf_key){.name = "kernel", .type = SKF_KEY_OTHER, .read = read_own_kernel};
+  int own = n;
+  for (int i = 0; i < SKF_ENTRY_KEYS; i++) {
+    t->keys[n] = skf_entry_keys[i];
+    for (int k = 0; k < own; k++) /* an arc's radius is its own */
+      if (strcmp(t->keys[k].name, t->keys[n].name) == 0) t->keys[n].name = SKF_OTHER_RADIUS;
+    n++;
+  }
   t->section = (skf_section){kind_name(kind), NULL, t->keys, n};
 }
 
@@ -135,22 +126,40 @@ skf_status skf_add_piece(skf_reader *r, const skf_entry *e, const skf_primitive 
                          "measure of the %s overflows, expected smaller numbers", e->name);
   if (b->element_count == into->capacity && (s = grow(r, into))) return s;
   b->element_lines[b->element_count] = e->kind->line;
-  b->elements[b->element_count++] = (skf_element){*p, e->kernel.kernel, e->element.strength};
+  b->elements[b->element_count++] = (skf_element){
+      .primitive = *p, .kernel = e->style.kernel, .strength = isnan(e->style.strength) ? 1 : e->style.strength};
   return SKF_OK;
 }
 
 /* What all kinds of entries share. */
 static skf_status check_entry(skf_reader *r, const skf_entry *e, const skf_node *value) {
-  if (e->element.strength == 0)
+  if (e->style.strength == 0)
     return skf_error_set(r->error, SKF_ERR_RANGE, skf_map_line(r, value, "strength"),
                          "strength is 0, expected another number (a primitive of strength 0 is none)");
-  if (e->kernel.given) return SKF_OK;
+  if (e->style.has_kernel) return SKF_OK;
   return skf_error_set(r->error, SKF_ERR_PARSE, e->kind->line,
                        "no kernel for this %s, expected 'kernel' in it or in its body", e->name);
 }
 
-static skf_status read_entry(skf_reader *r, const skf_node *entry, const entry_table *tables,
-                             const skf_default_kernel *kernel, skf_pieces *into) {
+/* Handles give the pieces from `first` on their parameter and strength; the body remembers which. */
+static skf_status handle(skf_reader *r, const skf_entry *e, size_t first, skf_pieces *into) {
+  skf_body *b = into->body;
+  const skf_handles *h = &e->style.handles;
+  size_t n = b->element_count - first;
+  skf_status s = skf_style_apply(r, &e->style, b->iso, e->name, e->kind->line, b->elements + first, n);
+  if (s || (h->radius == 0 && h->blobbiness == 0 && h->influence == 0)) return s;
+  if (b->handled_count == into->handled_capacity) {
+    into->handled_capacity = 2 * into->handled_capacity + 8;
+    skf_handled *more = skf_realloc(b->handled, into->handled_capacity, sizeof *more);
+    if (!more) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+    b->handled = more;
+  }
+  b->handled[b->handled_count++] = (skf_handled){first, n, e->name};
+  return SKF_OK;
+}
+
+static skf_status read_entry(skf_reader *r, const skf_node *entry, const entry_table *tables, const skf_style *style,
+                             skf_pieces *into) {
   const skf_node *word = entry->type == SKF_NODE_MAP ? skf_node_first(&r->yaml, entry) : NULL;
   if (!word) return one_kind(r, entry, entry->line);
   const skf_node *value = skf_node_next(&r->yaml, word), *second = skf_node_next(&r->yaml, value);
@@ -158,24 +167,27 @@ static skf_status read_entry(skf_reader *r, const skf_node *entry, const entry_t
   int kind = word->type == SKF_NODE_SCALAR ? find_kind(skf_node_text(&r->yaml, word)) : KINDS;
   if (kind == KINDS) return one_kind(r, entry, word->line);
   bool simple = kind < SKF_SHAPE_COUNT;
-  skf_entry e = {.element = {.primitive.shape = simple ? (skf_shape)kind : SKF_POINT, .strength = 1},
-                 .kernel = *kernel,
+  skf_entry e = {.element = {.primitive.shape = simple ? (skf_shape)kind : SKF_POINT},
+                 .style = skf_no_style,
                  .name = kind_name(kind),
                  .kind = word,
                  .map = value};
   skf_status s = skf_read_map(r, value, &tables[kind].section, &e, NULL);
+  skf_style_inherit(&e.style, style);
   if (!s) s = check_entry(r, &e, value);
   if (s) return s;
-  return simple ? skf_add_piece(r, &e, &e.element.primitive, into)
-                : skf_compounds[kind - SKF_SHAPE_COUNT].expand(r, &e, into);
+  size_t first = into->body->element_count;
+  s = simple ? skf_add_piece(r, &e, &e.element.primitive, into)
+             : skf_compounds[kind - SKF_SHAPE_COUNT].expand(r, &e, into);
+  return s ? s : handle(r, &e, first, into);
 }
 
-skf_status skf_read_skeleton(skf_reader *r, const skf_node *list, const skf_default_kernel *kernel, skf_body *body) {
+skf_status skf_read_skeleton(skf_reader *r, const skf_node *list, const skf_style *style, skf_body *body) {
   entry_table tables[KINDS];
-  skf_pieces pieces = {body, 0};
+  skf_pieces pieces = {body, 0, 0};
   skf_status s = SKF_OK;
   for (int i = 0; i < KINDS; i++) make_table(i, tables + i);
   for (const skf_node *n = skf_node_first(&r->yaml, list); n && !s; n = skf_node_next(&r->yaml, n))
-    s = read_entry(r, n, tables, kernel, &pieces);
+    s = read_entry(r, n, tables, style, &pieces);
   return s;
 }

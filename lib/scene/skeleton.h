@@ -3,19 +3,12 @@
 #ifndef SKF_SCENE_SKELETON_H
 #define SKF_SCENE_SKELETON_H
 
-#include "scene/reader.h"
-
-typedef struct skf_default_kernel {
-  bool given;
-  skf_kernel kernel;
-} skf_default_kernel;
-
-skf_status skf_read_kernel(skf_reader *r, const skf_node *map, skf_kernel *out);
+#include "scene/style.h"
 
 /* An entry of a skeleton while it is read. */
 typedef struct skf_entry {
   skf_element element; /* the primitive, or what all its pieces share */
-  skf_default_kernel kernel;
+  skf_style style;
   const char *name;            /* of its kind */
   const skf_node *kind, *map;  /* where the kind stands, and its parameters */
   const skf_node *list, *file; /* of a compound: its points, its mesh */
@@ -24,10 +17,15 @@ typedef struct skf_entry {
   double tolerance;
 } skf_entry;
 
+/* The keys that every entry may have besides its own. */
+enum { SKF_ENTRY_KEYS = 6 };
+#define SKF_OTHER_RADIUS "thickness" /* what the handle `radius` is called where the primitive has a radius */
+extern const skf_key skf_entry_keys[SKF_ENTRY_KEYS];
+
 /* The elements of a body, as they grow. */
 typedef struct skf_pieces {
   skf_body *body;
-  size_t capacity;
+  size_t capacity, handled_capacity;
 } skf_pieces;
 
 /* Checks the primitive and appends it with the entry's kernel, strength and line. */
@@ -42,7 +40,7 @@ typedef struct skf_compound {
 enum { SKF_COMPOUND_COUNT = 5 };
 extern const skf_compound skf_compounds[SKF_COMPOUND_COUNT];
 
-/* Fills body->elements and body->element_lines from a list that is not empty. */
-skf_status skf_read_skeleton(skf_reader *r, const skf_node *list, const skf_default_kernel *kernel, skf_body *body);
+/* Fills body->elements and what belongs to them from a list that is not empty. */
+skf_status skf_read_skeleton(skf_reader *r, const skf_node *list, const skf_style *style, skf_body *body);
 
 #endif

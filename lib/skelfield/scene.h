@@ -18,6 +18,12 @@ typedef struct skf_ellipsoid {
   skf_vec3 center, axis, meridian; /* axis to the north pole, meridian to latitude 0, longitude 0 */
 } skf_ellipsoid;
 
+/* Elements first .. first + count - 1, the pieces of one entry, whose kernel parameter and strength handles gave. */
+typedef struct skf_handled {
+  size_t first, count;
+  const char *kind; /* of the entry */
+} skf_handled;
+
 typedef struct skf_body {
   char *name; /* unique; no control characters, commas or double quotes */
   double iso;
@@ -32,6 +38,8 @@ typedef struct skf_body {
   skf_field *field; /* of the elements, body frame */
   long line;        /* in the file */
   long *element_lines;
+  size_t handled_count;
+  skf_handled *handled; /* in order */
 } skf_body;
 
 /* A start given on a body's ellipsoid; angles in radians. Azimuth clockwise from north, elevation up from the horizon.

@@ -55,6 +55,28 @@ assert s["particles"][0]["velocity"] == [4, 5, 6] and s["simulation"]["contact"]
 END
 fi
 expect_out "numbers carry 17 digits" '"density": 1.7142857142857142'
+write ice.yaml <<'END'
+skelfield: 1
+materials:
+  - {name: ice, kernel: {type: gaussian}, radius: 0.25, blobbiness: -0.3}
+bodies:
+  - name: icicle
+    iso: 1
+    material: ice
+    skeleton:
+      - point: {at: [0, 0, -0.85]}
+      - segment: {from: [0, 0, 0], to: [0, 0, 4.5], kernel: {type: inverse}, blobbiness: -1}
+END
+run info ice.yaml
+expect_refused "handles at odds" "ice.yaml:10: segment: this kernel has no parameter, expected radius alone"
+sed -i 's/, kernel: {type: inverse}, blobbiness: -1//' ice.yaml
+run info ice.yaml
+expect_status "handles" 0
+expect_out "what Blinn's handles give" 'handles +point \(line 9\): radius 0.25, blobbiness -0.3, influence .*: a = 2.19089.*, strength 1.349858808$'
+expect_out "for each entry" '  segment \(line 10\): radius 0.25, '
+run info ice.yaml --json
+expect_out "in JSON, too" '"strength": 1.349858807576'
+
 write square.off <<'END'
 OFF
 4 1 0

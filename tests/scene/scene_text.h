@@ -45,6 +45,22 @@ static const char full_scene[] =
     "  - {direction: [0, 0, 1]}\n"
     "background: [0, 0, 0.5]\n";
 
+/* Materials and handles, every key of theirs. */
+static const char handled_scene[] =
+    "skelfield: 1\n"
+    "materials:\n"
+    "  - {name: ice, kernel: {type: gaussian}, blobbiness: -0.3, color: [0.1, 0.2, 0.3]}\n"
+    "  - {name: iron, strength: 3, radius: 0.5, influence: 2}\n"
+    "bodies:\n"
+    "  - name: a\n"
+    "    iso: 0.7\n"
+    "    material: ice\n"
+    "    radius: 0.4\n"
+    "    skeleton:\n"
+    "      - point: {at: [0, 0, 0]}\n"
+    "      - circle: {center: [0, 0, 0], normal: [0, 0, 1], radius: 2, thickness: 0.1}\n"
+    "      - polyline: {points: [[0, 5, 0], [1, 5, 0], [4, 5, 0]], kernel: {type: quartic}}\n";
+
 static const char small_scene[] = "skelfield: 1\nbodies:\n  - {name: a, iso: 1, kernel: {type: inverse}, "
                                   "skeleton: [{point: {at: [0, 0, 0]}}]}\n";
 

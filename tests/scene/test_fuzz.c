@@ -51,7 +51,7 @@ static void mutations_are_scenes_or_errors(void **state) {
   const char *place = all;
   size_t accepted = 0;
   for (int i = 0; i < ROUNDS; i++) {
-    malformed m = {.text = i % 3 ? full_scene : small_scene};
+    malformed m = {.text = i % 3 == 0 ? small_scene : i % 3 == 1 ? full_scene : handled_scene};
     m.length = strlen(m.text);
     if (i % 4 == 0 && !(place = next_malformed(place, &m))) place = all;
     memcpy(text, m.text, m.length);
@@ -71,15 +71,14 @@ static void mutations_are_scenes_or_errors(void **state) {
   free(text);
 }
 
-static void failing_allocations_are_errors(void **state) {
-  (void)state;
+static void fail_each_allocation(const char *text) {
   skf_scene *scene = NULL;
   skf_status s = SKF_ERR_NOMEM;
   long k = 1;
   for (; s; k++) {
     skf_error e;
     skf_alloc_fail_after(k);
-    s = parse(full_scene, &scene, &e);
+    s = parse(text, &scene, &e);
     skf_alloc_fail_after(0);
     if (!s) break;
     assert_int_equal(s, SKF_ERR_NOMEM);
@@ -89,6 +88,12 @@ static void failing_allocations_are_errors(void **state) {
   }
   assert_true(k > 10);
   skf_scene_free(scene);
+}
+
+static void failing_allocations_are_errors(void **state) {
+  (void)state;
+  fail_each_allocation(full_scene);
+  fail_each_allocation(handled_scene);
 }
 
 int main(void) {
