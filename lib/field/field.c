@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "field/batch.h"
 #include "field/quadrature.h"
+#include "field/some.h"
 #include <string.h>
 
 struct skf_field {
@@ -42,6 +43,8 @@ void skf_field_free(skf_field *f) {
   if (f) skf_free(f->elements), skf_free(f->prepared), skf_batch_free(&f->batch);
   skf_free(f);
 }
+
+const skf_prepared *skf_field_prepared(const skf_field *f) { return f->prepared; }
 
 size_t skf_field_size(const skf_field *f) { return f->n; }
 const skf_element *skf_field_element(const skf_field *f, size_t i) { return i < f->n ? f->elements + i : NULL; }

@@ -62,7 +62,10 @@ static skf_status fill(skf_tracer *t) {
   if ((s = add_sources(t, true, &mixed)) || (s = add_sources(t, false, &mixed))) return s;
   if (mixed && ((s = subfield(t->field, 1, false, &t->plus)) || (s = subfield(t->field, -1, false, &t->minus))))
     return s;
-  return find_region(t);
+  s = find_region(t);
+  /* the octree takes sources for elements: none may have been left out */
+  if (s || t->reach != SKF_OK || t->linear || t->n != skf_field_size(t->field)) return s;
+  return skf_octree_new(t->field, t->sources, t->n, t->iso, t->noise, t->region, &t->tree);
 }
 
 skf_status skf_tracer_new(const skf_field *field, double iso, skf_tracer **out) {
@@ -80,6 +83,7 @@ void skf_tracer_free(skf_tracer *t) {
   if (!t) return;
   for (size_t i = 0; i < t->n; i++) skf_source_free(t->sources + i);
   skf_free(t->sources);
+  skf_octree_free(t->tree);
   skf_field_free(t->plus);
   skf_field_free(t->minus);
   skf_free(t);
@@ -126,10 +130,22 @@ static double first_stride(const skf_walk *w, double from) {
   return stride > 0 ? stride : 1;
 }
 
+/* Whether places on the ray are known well enough for the octree's cells. */
+static bool fits(const skf_walk *w, double to) {
+  if (!w->tracer->tree) return false;
+  skf_vec3 o = w->origin, p = v3_mad(o, to, w->direction);
+  double size = fmax(fmax(fabs(o.x), fmax(fabs(o.y), fabs(o.z))), fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))));
+  return 16 * DBL_EPSILON * size < 1e-8 * skf_octree_least(w->tracer->tree);
+}
+
 static void follow(skf_walk *w, double from, double to, double *side, skf_crossing_fn *found, void *user) {
   skf_knot a = {.t = from};
   double stride = isinf(to) ? first_stride(w, from) : 0;
   w->side = side;
+  if (fits(w, to)) {
+    skf_walk_octree(w, from, to, found, user);
+    return;
+  }
   while (a.t < to) {
     double end = next_break(w, a.t, to, side);
     if (isinf(end)) {

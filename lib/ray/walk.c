@@ -6,6 +6,7 @@
    decided then is halved. */
 #include "ray/walk.h"
 #include "core/vec3.h"
+#include "field/some.h"
 #include "ray/cubic.h"
 #include <float.h>
 
@@ -27,8 +28,11 @@ static void add_linear(const skf_walk *w, skf_vec3 p, double *F, double *size, s
 void skf_walk_look(skf_walk *w, double t, skf_knot *k) {
   const skf_tracer *tr = w->tracer;
   skf_vec3 p = v3_mad(w->origin, t, w->direction), g;
-  double F, size;
-  if (!tr->plus) {
+  double F, size, noise = 2 * tr->noise;
+  if (w->leaf && w->leaf->count < tr->n) {
+    F = skf_field_some(tr->field, w->leaf->list, w->leaf->count, p, &g, &size);
+    noise += 0.5 * DBL_EPSILON * w->leaf->count;
+  } else if (!tr->plus) {
     F = skf_field_at(tr->field, p, &g);
     size = fabs(F);
   } else {
@@ -41,8 +45,7 @@ void skf_walk_look(skf_walk *w, double t, skf_knot *k) {
   w->report.evaluations++;
   size += fabs(tr->iso);
   double moved = 4 * DBL_EPSILON * (largest(p) + largest(w->origin)) * v3_norm(g);
-  *k = (skf_knot){t, F - tr->iso, v3_dot(g, w->direction), size, isfinite(F) ? 2 * tr->noise * size + moved : 0, p,
-                  g, true};
+  *k = (skf_knot){t, F - tr->iso, v3_dot(g, w->direction), size, isfinite(F) ? noise * size + moved : 0, p, g, true};
 }
 
 typedef struct cell {
@@ -51,8 +54,16 @@ typedef struct cell {
   double change;       /* by which F can change along it */
 } cell;
 
+/* By what is known of the whole leaf. */
+static cell enclose_in_leaf(const skf_leaf *leaf, double L) {
+  double L2 = L * L, L4 = L2 * L2;
+  return (cell){-INFINITY, INFINITY, fmin(L4 / 384 * leaf->fourth, L2 / 16 * leaf->bend),
+                fmin(0.00801876 * L4 * leaf->fourth, 0.2516 * L2 * leaf->bend), L * leaf->slope};
+}
+
 static cell enclose(const skf_walk *w, double a, double b) {
   const skf_tracer *tr = w->tracer;
+  if (w->leaf) return enclose_in_leaf(w->leaf, b - a);
   double L = b - a, half = 0.5 * L;
   skf_vec3 p = v3_mad(w->origin, a + half, w->direction);
   double slack = 4 * DBL_EPSILON * (largest(p) + largest(w->origin));
@@ -127,7 +138,8 @@ bool skf_walk_piece(skf_walk *w, skf_knot *a, double end, skf_crossing_fn *found
     if (c.hi <= iso || c.lo >= iso) {
       w->last = c.hi <= iso ? -1 : 1;
       v = CLEAR;
-    } else if (floor || (c.error < INFINITY && c.error <= 0.125 * (c.hi - c.lo)) || c.change < 0.25 * fabs(iso)) {
+    } else if (w->leaf || floor || (c.error < INFINITY && c.error <= 0.125 * (c.hi - c.lo)) ||
+               c.change < 0.25 * fabs(iso)) {
       if (!a->known) skf_walk_look(w, a->t, a);
       if (!b->known) skf_walk_look(w, b->t, b);
       v = judge(w, a, b, &c, floor, &guess);
@@ -173,6 +185,12 @@ skf_knot skf_walk_polish(skf_walk *w, const skf_knot *a, const skf_knot *b, doub
     if (i > 12 && i % 3 == 0) next = NAN; /* slow: rounding, or a flat root */
     old = k;
     x = next;
+  }
+  /* what is left is rounding; a last step costs nothing and centres it */
+  double step = best.f / best.slope;
+  if (fabs(step) <= 4 * grain && best.t - step >= a->t && best.t - step <= b->t) {
+    best.t -= step;
+    best.at = v3_mad(w->origin, best.t, w->direction);
   }
   return best;
 }

@@ -3,7 +3,7 @@
 #ifndef SKF_RAY_WALK_H
 #define SKF_RAY_WALK_H
 
-#include "ray/source.h"
+#include "ray/octree.h"
 #include "skelfield/ray.h"
 
 struct skf_tracer {
@@ -15,7 +15,8 @@ struct skf_tracer {
   skf_source *sources;
   skf_status reach; /* SKF_OK: surface inside `region`; SKF_ERR_EMPTY: none; SKF_ERR_UNBOUNDED */
   skf_box region;
-  double noise; /* relative rounding error of F against the sum of the elements' magnitudes */
+  skf_octree *tree; /* of the region, or NULL */
+  double noise;     /* relative rounding error of F against the sum of the elements' magnitudes */
 };
 
 /* The field at one place of the ray. */
@@ -32,6 +33,7 @@ typedef struct skf_walk {
   skf_vec3 origin, direction; /* unit */
   int last;                   /* sign of f just before the current cell; 0: the ray starts on the surface */
   const double *side;         /* of the linear planes on this piece: +1 or -1 */
+  const skf_leaf *leaf;       /* the cell of the octree that the walk is in, whose bounds hold; or NULL */
   skf_ray_report report;
 } skf_walk;
 
@@ -40,6 +42,9 @@ typedef bool skf_crossing_fn(void *user, skf_walk *w, const skf_knot *a, const s
 
 /* All crossings in (a.t, b] in order; *a becomes the knot at b. Returns false when `found` asked to stop. */
 bool skf_walk_piece(skf_walk *w, skf_knot *a, double b, skf_crossing_fn *found, void *user);
+
+/* All crossings in [from, to], through the octree. Returns false when `found` asked to stop. */
+bool skf_walk_octree(skf_walk *w, double from, double to, skf_crossing_fn *found, void *user);
 
 void skf_walk_look(skf_walk *w, double t, skf_knot *out);
 

@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: MIT */
+#include "ray/octree.h"
+#include "core/alloc.h"
+#include "core/vec3.h"
+#include "field/some.h"
+#include <omp.h>
+#include <stdatomic.h>
+#include <string.h>
+
+/* A leaf is a cell in which the gradient turns by no more than this part of itself, */
+#define FLAT 0.7
+/* or which is this many halvings smaller than the cube. */
+#define LEVELS 14
+/* Rounding of places, relative to a cell's radius, that its bounds allow for. */
+#define SLACK 1e-8
+
+enum { BLOCK = 1 << 16 };
+
+/* Memory that is only ever added to. */
+typedef struct block {
+  struct block *before;
+  size_t used, size;
+} block;
+
+/* A cell is a pointer to a leaf or a branch with its kind in the low bits, or the kind alone. */
+typedef _Atomic(uintptr_t) cell;
+#define KIND 7
+
+struct skf_branch {
+  cell child[8];
+  const uint32_t *list;
+  uint32_t count;
+  int level;
+};
+
+struct skf_octree {
+  const skf_field *field;
+  const skf_source *sources;
+  double iso, noise, size;
+  skf_vec3 lo;
+  skf_branch *all; /* whose child 0 is the cube */
+  block *memory;
+  omp_lock_t lock;
+};
+
+static void *take(skf_octree *t, size_t bytes) {
+  bytes = (bytes + 15) / 16 * 16;
+  size_t head = (sizeof(block) + 15) / 16 * 16;
+  if (!t->memory || t->memory->used + bytes > t->memory->size) {
+    size_t size = head + (bytes > BLOCK ? bytes : BLOCK);
+    block *b = skf_alloc(1, size);
+    if (!b) return NULL;
+    *b = (block){t->memory, head, size};
+    t->memory = b;
+  }
+  void *p = (char *)t->memory + t->memory->used;
+  t->memory->used += bytes;
+  return p;
+}
+
+/* What is known of F in the ball around a cell. */
+typedef struct outlook {
+  double lo, hi, slope, bend, fourth;
+} outlook;
+
+static outlook look_out(const skf_octree *t, skf_vec3 c, double radius, const skf_branch *in, uint32_t *kept,
+                        uint32_t *keep) {
+  outlook o = {0, 0, 0, 0, 0};
+  *keep = 0;
+  for (size_t i = 0; i < in->count; i++) {
+    const skf_source *s = t->sources + in->list[i];
+    double d = skf_source_distance(s, c), w = fabs(s->weight);
+    skf_grade g = skf_source_grade(s, fmax(d * (1 - 1e-12) - radius, 0), d * (1 + 1e-12) + radius);
+    if (s->disc && d < s->reach) g.below = fmax(g.below, skf_source_disc(s, c, radius));
+    if (s->sheet && d < s->reach) g.above.slope = fmin(g.above.slope, skf_source_steepness(s, c, radius));
+    if (!(g.above.value > 0)) continue;
+    kept[(*keep)++] = in->list[i];
+    o.lo += s->weight * (s->weight > 0 ? g.below : g.above.value);
+    o.hi += s->weight * (s->weight > 0 ? g.above.value : g.below);
+    o.slope += w * g.above.slope, o.bend += w * g.above.bend, o.fourth += w * g.above.fourth;
+  }
+  return o;
+}
+
+/* Finds out what the cell is; leaves and branches come without their lists. */
+static skf_cell_kind examine(const skf_octree *t, const skf_branch *in, const double lo[3], double size, uint32_t *kept,
+                             uint32_t *keep, skf_leaf *leaf) {
+  double half = 0.5 * size, radius = 0.8660254037844387 * size * (1 + SLACK), made_of;
+  leaf->center = v3(lo[0] + half, lo[1] + half, lo[2] + half);
+  outlook o = look_out(t, leaf->center, radius, in, kept, keep);
+  if (o.hi < t->iso) return SKF_CELL_OUTSIDE;
+  if (o.lo > t->iso) return SKF_CELL_INSIDE;
+  leaf->f = skf_field_some(t->field, kept, *keep, leaf->center, &leaf->g, &made_of) - t->iso;
+  double grip = fabs(leaf->g.x) + fabs(leaf->g.y) + fabs(leaf->g.z);
+  double rounding = (2 * t->noise + 1e-16 * *keep) * (made_of + fabs(t->iso)) + SLACK * radius * grip;
+  leaf->flat = 0.5 * o.bend * radius * radius + rounding;
+  leaf->slope = o.slope, leaf->bend = o.bend, leaf->fourth = o.fourth;
+  double change = fmin(half * grip + leaf->flat, o.slope * radius + rounding);
+  if (fabs(leaf->f) > change) return leaf->f < 0 ? SKF_CELL_OUTSIDE : SKF_CELL_INSIDE;
+  bool flat = o.bend * radius <= FLAT * v3_norm(leaf->g);
+  return flat || in->level == LEVELS ? SKF_CELL_LEAF : SKF_CELL_BRANCH;
+}
+
+/* The cell's word, with what it points to; 0 when memory is out. */
+static uintptr_t make(skf_octree *t, skf_cell_kind kind, const skf_branch *in, const uint32_t *kept, uint32_t keep,
+                      const skf_leaf *leaf) {
+  if (kind < SKF_CELL_BRANCH) return (uintptr_t)kind;
+  const uint32_t *list = in->list; /* shared where nothing was dropped */
+  if (keep < in->count) {
+    uint32_t *own = take(t, keep * sizeof *own);
+    if (!own) return 0;
+    list = memcpy(own, kept, keep * sizeof *own);
+  }
+  void *what = take(t, kind == SKF_CELL_LEAF ? sizeof(skf_leaf) : sizeof(skf_branch));
+  if (!what) return 0;
+  if (kind == SKF_CELL_LEAF) {
+    skf_leaf *l = what;
+    *l = *leaf, l->list = list, l->count = keep;
+  } else {
+    skf_branch *b = what;
+    b->list = list, b->count = keep, b->level = in->level + 1;
+  }
+  return (uintptr_t)what | (uintptr_t)kind;
+}
+
+static uintptr_t explore(skf_octree *t, const skf_branch *in, cell *c, const double lo[3], double size) {
+  enum { FEW = 256 };
+  uint32_t few[FEW], *kept = few, keep;
+  if (in->count > FEW && !(kept = skf_alloc(in->count, sizeof *kept))) return 0;
+  skf_leaf leaf = {.f = 0};
+  skf_cell_kind kind = examine(t, in, lo, size, kept, &keep, &leaf);
+  omp_set_lock(&t->lock);
+  uintptr_t word = atomic_load_explicit(c, memory_order_relaxed); /* somebody else may have been here */
+  if (!word) {
+    word = make(t, kind, in, kept, keep, &leaf);
+    atomic_store_explicit(c, word, memory_order_release);
+  }
+  omp_unset_lock(&t->lock);
+  if (kept != few) skf_free(kept);
+  return word;
+}
+
+skf_cell skf_octree_child(skf_octree *t, skf_branch *in, int k, const double lo[3], double size) {
+  uintptr_t word = atomic_load_explicit(in->child + k, memory_order_acquire);
+  if (!word) word = explore(t, in, in->child + k, lo, size);
+  skf_cell out = {.kind = (skf_cell_kind)(word & KIND)};
+  if (out.kind == SKF_CELL_LEAF)
+    out.leaf = (const skf_leaf *)(word & ~(uintptr_t)KIND);
+  else if (out.kind == SKF_CELL_BRANCH)
+    out.branch = (skf_branch *)(word & ~(uintptr_t)KIND);
+  return out;
+}
+
+skf_cell skf_octree_root(skf_octree *t, skf_vec3 *lo, double *size) {
+  *lo = t->lo, *size = t->size;
+  return skf_octree_child(t, t->all, 0, (const double[3]){t->lo.x, t->lo.y, t->lo.z}, t->size);
+}
+
+double skf_octree_least(const skf_octree *t) { return ldexp(t->size, -LEVELS); }
+
+skf_status skf_octree_new(const skf_field *field, const skf_source *sources, size_t n, double iso, double noise,
+                          skf_box region, skf_octree **out) {
+  *out = NULL;
+  skf_octree *t = skf_alloc(1, sizeof *t);
+  if (!t) return SKF_ERR_NOMEM;
+  skf_vec3 d = v3_sub(region.hi, region.lo);
+  t->field = field, t->sources = sources, t->iso = iso, t->noise = noise;
+  t->size = fmax(d.x, fmax(d.y, d.z)) * (1 + SLACK);
+  t->lo = v3_mad(box_center(region), -0.5 * t->size, v3(1, 1, 1));
+  omp_init_lock(&t->lock);
+  t->all = take(t, sizeof *t->all);
+  uint32_t *all = t->all ? take(t, n * sizeof *all) : NULL;
+  if (!all) return skf_octree_free(t), SKF_ERR_NOMEM;
+  for (size_t i = 0; i < n; i++) all[i] = (uint32_t)i;
+  t->all->list = all, t->all->count = (uint32_t)n;
+  return *out = t, SKF_OK;
+}
+
+void skf_octree_free(skf_octree *t) {
+  if (!t) return;
+  for (block *b = t->memory, *before; b; b = before) {
+    before = b->before;
+    skf_free(b);
+  }
+  omp_destroy_lock(&t->lock);
+  skf_free(t);
+}
