@@ -21,6 +21,11 @@ static inline bool skf_form_open_arc(const skf_prepared *e) { return !e->plan.ar
   X(quartic_point, SKF_QUARTIC, SKF_POINT, skf_form_any)                                                               \
   X(inverse_segment, SKF_INVERSE, SKF_SEGMENT, skf_form_any)                                                           \
   X(cauchy_segment, SKF_CAUCHY, SKF_SEGMENT, skf_form_any)                                                             \
+  X(gaussian_segment, SKF_GAUSSIAN, SKF_SEGMENT, skf_form_any)                                                         \
+  X(inverse_squared_segment, SKF_INVERSE_SQUARED, SKF_SEGMENT, skf_form_any)                                           \
+  X(quartic_segment, SKF_QUARTIC, SKF_SEGMENT, skf_form_any)                                                           \
+  X(soft_object_segment, SKF_SOFT_OBJECT, SKF_SEGMENT, skf_form_any)                                                   \
+  X(metaball_segment, SKF_METABALL, SKF_SEGMENT, skf_form_any)                                                         \
   X(cauchy_arc, SKF_CAUCHY, SKF_ARC, skf_form_open_arc)                                                                \
   X(cauchy_circle, SKF_CAUCHY, SKF_ARC, skf_form_circle)                                                               \
   X(inverse_circle, SKF_INVERSE, SKF_ARC, skf_form_circle)                                                             \

@@ -7,6 +7,8 @@
 #include "field/batch_arc.h"
 #include "field/batch_point.h"
 #include "field/batch_segment.h"
+#include "field/batch_segment_compact.h"
+#include "field/batch_segment_smooth.h"
 #include "field/batch_triangle.h"
 
 #define SKF_BATCH_TABLE_ROW(name, kernel, shape, fits) SKF_BATCH_ENTRY(name)

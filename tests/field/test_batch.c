@@ -71,7 +71,9 @@ static bool has_form(skf_kernel_type type, skf_shape at) {
 }
 
 /* The bounds that field.h states */
-static double bound(int shape) { return (shape == SKF_TRIANGLE ? 1000 : shape == SKF_ARC ? 100 : 20) * 1.1e-16; }
+static double bound(int shape) {
+  return (shape == SKF_TRIANGLE ? 1000 : shape == SKF_ARC ? 100 : shape == SKF_SEGMENT ? 60 : 20) * 1.1e-16;
+}
 
 static void test_isas(void **state) {
   (void)state;
@@ -85,9 +87,9 @@ static void test_isas(void **state) {
       skf_element body;
       if (!has_form((skf_kernel_type)k, (skf_shape)s)) continue;
       vector++;
-      for (int n = 0; n < 30; n++) {
+      for (int n = 0; n < 60; n++) {
         double scale = n % 3 == 0 ? 1 : n % 3 == 1 ? 1e7 : 1e-7;
-        skf_element e = {.kernel = {(skf_kernel_type)k, 1.5 * pow(10, rnd(&seed, -1, 1))}, .strength = 1};
+        skf_element e = {.kernel = {(skf_kernel_type)k, pow(10, rnd(&seed, -3, 3))}, .strength = 1};
         e.kernel.param *= skf_kernel_get(e.kernel.type)->compact ? scale : 1 / scale;
         rnd_primitive(&seed, (skf_shape)s, scale, &e.primitive);
         scatter(&seed, &e.primitive, scale, &a);

@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: MIT */
+/* Vector forms: kernels of finite support along a segment, as support.c, polynomial.c and metaball.c. */
+#ifndef SKF_FIELD_BATCH_SEGMENT_COMPACT_H
+#define SKF_FIELD_BATCH_SEGMENT_COMPACT_H
+
+#include "field/batch_segment.h"
+#include "num/gauss.h"
+
+/* The part lo <= t <= hi of the segment in the support; T is half the ball's chord. */
+typedef struct clip_view {
+  skf_vd t0, t1, q0, q1, T, lo, hi, length, gap_lo, gap_hi, h2, h;
+  skf_vi in0, in1, some, near; /* some: not empty; near: R^2 - r^2 of an end cancels */
+} clip_view;
+
+/* R^2 - |d|^2 to an ulp or two of itself, d = x - at rounded. */
+SKF_INLINE skf_vd power_exact(skf_vd R, skf_v3d x, skf_v3d at, skf_v3d d) {
+  skf_v3d lo = vd3_lost(x, at, d);
+  skf_vd R2 = R * R, pz = d.z * d.z, py = d.y * d.y, px = d.x * d.x, s = R2 - px, t = s - py, last = t - pz;
+  skf_vd low = vd_fms(R, R, R2) + (vd_lost(R2, px, s) + vd_lost(s, py, t) + vd_lost(t, pz, last));
+  low -= vd_fms(d.x, d.x, px) + vd_fms(d.y, d.y, py) + vd_fms(d.z, d.z, pz);
+  return last + vd_fnma(vd_set(2), vd3_dot(d, lo), low);
+}
+
+SKF_INLINE clip_view segment_clip(const segment_row *c, const segment_view *f, skf_v3d x, bool exact) {
+  skf_vd R = c->param, R2 = c->param2, zero = vd_set(0);
+  clip_view v = {.t0 = -vd3_dot(f->d0, c->a), .t1 = -vd3_dot(f->d1, c->a), .q0 = R2 - f->n0, .q1 = R2 - f->n1};
+  v.near = vd_set(1024) * vd_min(vd_abs(v.q0), vd_abs(v.q1)) < R2;
+  if (exact) v.q0 = power_exact(R, x, c->from, f->d0), v.q1 = power_exact(R, x, c->to, f->d1), v.near = vi_set(0);
+  v.h2 = f->n2 * c->per_L2, v.h = vd_sqrt(v.h2);
+  v.in0 = v.q0 > zero, v.in1 = v.q1 > zero;
+  skf_vd T0 = vd_fma(v.t0, v.t0, v.q0), T1 = vd_fma(v.t1, v.t1, v.q1), Th = (R - v.h) * (R + v.h);
+  skf_vd T2 = vd_select(v.in0, T0, vd_select(v.in1, T1, Th));
+  v.some = (T2 > zero) & (v.in0 | (v.t0 < zero)) & (v.in1 | (v.t1 > zero));
+  v.T = vd_sqrt(vd_select(v.some, T2, R2));
+  skf_vd s0 = v.T + vd_abs(v.t0), s1 = v.T + vd_abs(v.t1), inv = vd_set(1) / (s0 * s1);
+  skf_vd k0 = v.q0 * (s1 * inv), k1 = v.q1 * (s0 * inv); /* q = (T - t)(T + t) */
+  skf_vi back0 = v.t0 < zero, back1 = v.t1 < zero;
+  v.gap_lo = vd_select(v.in0, vd_select(back0, k0, s0), zero);
+  v.gap_hi = vd_select(v.in1, vd_select(back1, s1, k1), zero);
+  skf_vd above0 = vd_select(back0, s0, k0), below1 = vd_select(back1, k1, s1);
+  v.length = vd_select(v.in0, vd_select(v.in1, c->L, above0), vd_select(v.in1, below1, v.T + v.T));
+  v.some &= v.length > zero;
+  v.lo = vd_select(v.in0, v.t0, -v.T), v.hi = vd_select(v.in1, v.t1, v.T);
+  return v;
+}
+
+SKF_INLINE skf_vvalue clip_result(const segment_row *c, const segment_view *f, const clip_view *v, skf_vd F, skf_vd g,
+                                  skf_vd ends) {
+  skf_vi some = v->some;
+  F = (skf_vd)((skf_vi)F & some), g = (skf_vd)((skf_vi)g & some), ends = (skf_vd)((skf_vi)ends & some);
+  return (skf_vvalue){F, segment_gradient(c, f, g, ends), ~v->near & (f->n0 + f->n1 < vd_set(INFINITY))};
+}
+
+/* m^2 (c2 + c3 m), m = 1 - r^2 / R^2 */
+SKF_INLINE skf_vvalue polynomial_segment(const segment_row *c, skf_v3d x, double c2, double c3, bool exact) {
+  segment_view f = segment_see(c, x);
+  clip_view v = segment_clip(c, &f, x, exact);
+  skf_vd zero = vd_set(0), F = zero, g = zero, ends = zero, C2 = vd_set(c2), C3 = vd_set(c3);
+  if (!vi_any(v.some)) return clip_result(c, &f, &v, F, g, ends);
+  skf_vd half = vd_set(0.5) * v.length, per_R2 = c->per_param * c->per_param;
+  int n = c3 == 0 ? 3 : 4; /* exact */
+  const skf_gauss_node *node = skf_gauss_rule(n);
+#pragma GCC unroll 4
+  for (int j = 0; j < n; j++) {
+    skf_vd up = vd_fma(half, vd_set(1 - node[j].x), v.gap_hi), down = vd_fma(half, vd_set(1 + node[j].x), v.gap_lo);
+    skf_vd m = up * down * per_R2, wm = vd_set(node[j].w) * m;
+    F = vd_fma(wm * m, vd_fma(C3, m, C2), F);
+    g = vd_fma(wm, vd_fma(vd_set(3) * C3, m, vd_set(2) * C2), g);
+  }
+  skf_vd m0 = vd_max(v.q0, zero) * per_R2, m1 = vd_max(v.q1, zero) * per_R2;
+  skf_vd dm = vd_select(v.in0 & v.in1, c->L * (v.t0 + v.t1) * per_R2, m0 - m1), sum = m0 + m1;
+  ends = dm * vd_fma(C3, vd_fma(sum, sum, -(m0 * m1)), C2 * sum);
+  return clip_result(c, &f, &v, half * F, vd_set(-2) * per_R2 * half * g, ends);
+}
+
+SKF_INLINE skf_vvalue quartic_segment(const segment_row *c, skf_v3d x) { return polynomial_segment(c, x, 1, 0, false); }
+SKF_INLINE skf_vvalue quartic_segment_rim(const segment_row *c, skf_v3d x) {
+  return polynomial_segment(c, x, 1, 0, true);
+}
+SKF_INLINE skf_vvalue soft_object_segment(const segment_row *c, skf_v3d x) {
+  return polynomial_segment(c, x, 5. / 9, 4. / 9, false);
+}
+SKF_INLINE skf_vvalue soft_object_segment_rim(const segment_row *c, skf_v3d x) {
+  return polynomial_segment(c, x, 5. / 9, 4. / 9, true);
+}
+
+/* A part of the segment in the metaball's shell: R / 3 <= r <= R from abscissa a to b; gaps to the ends of the chord.
+ */
+typedef struct shell_view {
+  skf_vd a, ra, b, rb, length, gap_lo, gap_hi;
+} shell_view;
+
+typedef struct shell_sum {
+  skf_vd F, g;
+} shell_sum;
+
+/* Where the shell's part is all this near to R the closed form would cancel. */
+SKF_INLINE skf_vi shell_thin(const segment_row *c, const clip_view *v, const shell_view *s) {
+  skf_vi straddle = (s->a < vd_set(0)) & (s->b > vd_set(0));
+  return vd_select(straddle, v->h, vd_min(s->ra, s->rb)) > vd_set(0.8) * c->param;
+}
+
+/* Closed, as add_shell in metaball.c. */
+SKF_INLINE void shell_closed(const segment_row *c, const clip_view *v, const shell_view *s, shell_sum *out) {
+  skf_vd per_R = c->per_param, h2 = v->h2, len = s->length, zero = vd_set(0);
+  skf_vi real = (len > zero) & ~shell_thin(c, v, s), right = s->a > zero, left = s->b < zero;
+  if (!vi_any(real)) return;
+  skf_vd A = s->ra + vd_abs(s->a), B = s->rb + vd_abs(s->b), sum = s->ra + s->rb, mid = s->a + s->b;
+  /* r_a + r_b - length = A + h^2 / B, h^2 / A + B or h^2 (1 / A + 1 / B), times the denominators */
+  skf_vd den = vd_select(right, B, vd_select(left, A, A * B));
+  skf_vd E = vd_select(right | left, vd_fma(A, B, h2), h2 * (A + B)), top = vd_set(2) * len * den;
+  E = vd_select(real, E, vd_set(1)), top = (skf_vd)((skf_vi)top & real);
+  skf_vd log = vd_log_ratio(E + top, E, top), third = vd_set(1. / 3);
+  skf_vd r1 = vd_fma(vd_set(0.25) * len, sum + mid * mid / sum, vd_set(0.5) * h2 * log);
+  skf_vd r2 = len * vd_fma(third, vd_fma(mid, mid, -(s->a * s->b)), h2);
+  skf_vd F = vd_set(1.5) * vd_fma(per_R, vd_fma(r2, per_R, vd_set(-2) * r1), len);
+  skf_vd g = vd_set(-3) * per_R * vd_fnma(len, per_R, log);
+  out->F += (skf_vd)((skf_vi)F & real), out->g += (skf_vd)((skf_vi)g & real);
+}
+
+/* The thin part by nodes: r is smooth there. */
+SKF_INLINE void shell_nodes(const segment_row *c, const clip_view *v, const shell_view *s, shell_sum *out) {
+  enum { N = 18 };
+  skf_vi thin = (s->length > vd_set(0)) & shell_thin(c, v, s);
+  if (!vi_any(thin)) return;
+  const skf_gauss_node *node = skf_gauss_rule(N);
+  skf_vd half = vd_set(0.5) * s->length, R = c->param, per_R = c->per_param, F = vd_set(0), g = F;
+  for (int j = 0; j < N; j++) {
+    skf_vd hi = vd_fma(half, vd_set(1 - node[j].x), s->gap_hi), lo = vd_fma(half, vd_set(1 + node[j].x), s->gap_lo);
+    skf_vd u = vd_set(0.5) * (lo - hi), rr = vd_fma(u, u, v->h2), r = vd_sqrt(rr);
+    skf_vd slope = hi * lo * (per_R / vd_fma(R, r, rr)), m = slope * r, w = vd_set(node[j].w); /* m / r */
+    F = vd_fma(w * m, m, F);
+    g = vd_fma(w, slope, g);
+  }
+  F = vd_set(1.5) * half * F, g = vd_set(-3) * per_R * half * g;
+  out->F += (skf_vd)((skf_vi)F & thin), out->g += (skf_vd)((skf_vi)g & thin);
+}
+
+/* h(r0) - h(r1) as at_ends in metaball.c */
+SKF_INLINE skf_vd shell_ends(const segment_row *c, const clip_view *v, skf_vd r0, skf_vd r1) {
+  skf_vd per_R = c->per_param, per_R2 = per_R * per_R, R = c->param, zero = vd_set(0), one = vd_set(1),
+         three = vd_set(3);
+  skf_vi core0 = three * r0 <= R, core1 = three * r1 <= R;
+  skf_vd sum = r0 + r1, inv = one / ((R + r0) * (R + r1)), dw = c->L * (v->t0 + v->t1);
+  skf_vd n0 = vd_max(v->q0, zero) * ((R + r1) * inv) * per_R, n1 = vd_max(v->q1, zero) * ((R + r0) * inv) * per_R;
+  skf_vd h0 = vd_select(core0, vd_fnma(three * per_R2, r0 * r0, one), vd_set(1.5) * n0 * n0);
+  skf_vd h1 = vd_select(core1, vd_fnma(three * per_R2, r1 * r1, one), vd_set(1.5) * n1 * n1);
+  skf_vd u0 = vd_max(vd_fma(three * per_R, r0, -one), zero), u1 = vd_max(vd_fma(three * per_R, r1, -one), zero);
+  skf_vd inner = vd_fma(three * per_R2, dw, vd_set(0.5) * (u0 - u1) * (u0 + u1));
+  skf_vd outer = vd_set(1.5) * (n0 + n1) * dw * per_R / sum;
+  return vd_select(v->in0 & v->in1, vd_select(core0 | core1, inner, outer), h0 - h1);
+}
+
+SKF_INLINE skf_vvalue metaball_clipped(const segment_row *c, skf_v3d x, bool exact) {
+  segment_view f = segment_see(c, x);
+  clip_view v = segment_clip(c, &f, x, exact);
+  skf_vd zero = vd_set(0), R = c->param, per_R = c->per_param, third = R * vd_set(1. / 3);
+  shell_sum s = {zero, zero};
+  if (!vi_any(v.some)) return clip_result(c, &f, &v, zero, zero, zero);
+  skf_vd T2 = (third - v.h) * (third + v.h), r0 = vd_sqrt(f.n0), r1 = vd_sqrt(f.n1);
+  skf_vi cored = T2 > zero;
+  skf_vd T3 = vd_sqrt(vd_max(T2, zero));
+  cored &= (v.lo < T3) & (v.hi > -T3);
+  skf_vd left = vd_max(-T3 - v.lo, zero), right = vd_max(v.hi - T3, zero), core = vd_max(v.length - left - right, zero);
+  skf_vd a = vd_max(v.lo, -T3), b = vd_min(v.hi, T3), ab = a + b;
+  skf_vd square = vd_fma(vd_set(1. / 3), vd_fma(ab, ab, -(a * b)), v.h2);
+  s.F = (skf_vd)((skf_vi)(core * vd_fnma(vd_set(3) * per_R * per_R, square, vd_set(1))) & cored);
+  s.g = (skf_vd)((skf_vi)(vd_set(-6) * core * per_R * per_R) & cored);
+  skf_vd r_lo = vd_select(v.in0, r0, R), r_hi = vd_select(v.in1, r1, R);
+  shell_view A = {v.lo,
+                  r_lo,
+                  vd_select(cored, -T3, v.hi),
+                  vd_select(cored, third, r_hi),
+                  (skf_vd)((skf_vi)vd_select(cored, left, v.length) & v.some),
+                  v.gap_lo,
+                  vd_select(cored, v.T + T3, v.gap_hi)};
+  shell_view B = {T3, third, v.hi, r_hi, (skf_vd)((skf_vi)right & cored & v.some), v.T + T3, v.gap_hi};
+  shell_sum sa = {zero, zero}, sb = sa;
+  shell_closed(c, &v, &A, &sa);
+  if (vi_any(cored)) shell_closed(c, &v, &B, &sb);
+  shell_nodes(c, &v, &A, &sa);
+  s.F += sa.F + sb.F, s.g += sa.g + sb.g;
+  return clip_result(c, &f, &v, s.F, s.g, shell_ends(c, &v, r0, r1));
+}
+
+SKF_INLINE skf_vvalue metaball_segment(const segment_row *c, skf_v3d x) { return metaball_clipped(c, x, false); }
+SKF_INLINE skf_vvalue metaball_segment_rim(const segment_row *c, skf_v3d x) { return metaball_clipped(c, x, true); }
+
+SKF_BATCH_FORM(quartic_segment, segment, quartic_segment_rim)
+SKF_BATCH_FORM(soft_object_segment, segment, soft_object_segment_rim)
+SKF_BATCH_FORM(metaball_segment, segment, metaball_segment_rim)
+
+#endif
