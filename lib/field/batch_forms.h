@@ -19,6 +19,13 @@ static inline bool skf_form_open_arc(const skf_prepared *e) { return !e->plan.ar
   X(metaball_point, SKF_METABALL, SKF_POINT, skf_form_any)                                                             \
   X(soft_object_point, SKF_SOFT_OBJECT, SKF_POINT, skf_form_any)                                                       \
   X(quartic_point, SKF_QUARTIC, SKF_POINT, skf_form_any)                                                               \
+  X(cauchy_plane, SKF_CAUCHY, SKF_PLANE, skf_form_any)                                                                 \
+  X(gaussian_plane, SKF_GAUSSIAN, SKF_PLANE, skf_form_any)                                                             \
+  X(inverse_plane, SKF_INVERSE, SKF_PLANE, skf_form_any)                                                               \
+  X(inverse_squared_plane, SKF_INVERSE_SQUARED, SKF_PLANE, skf_form_any)                                               \
+  X(metaball_plane, SKF_METABALL, SKF_PLANE, skf_form_any)                                                             \
+  X(soft_object_plane, SKF_SOFT_OBJECT, SKF_PLANE, skf_form_any)                                                       \
+  X(quartic_plane, SKF_QUARTIC, SKF_PLANE, skf_form_any)                                                               \
   X(inverse_segment, SKF_INVERSE, SKF_SEGMENT, skf_form_any)                                                           \
   X(cauchy_segment, SKF_CAUCHY, SKF_SEGMENT, skf_form_any)                                                             \
   X(gaussian_segment, SKF_GAUSSIAN, SKF_SEGMENT, skf_form_any)                                                         \
