@@ -36,6 +36,10 @@ static inline bool skf_form_open_arc(const skf_prepared *e) { return !e->plan.ar
   X(cauchy_arc, SKF_CAUCHY, SKF_ARC, skf_form_open_arc)                                                                \
   X(cauchy_circle, SKF_CAUCHY, SKF_ARC, skf_form_circle)                                                               \
   X(inverse_circle, SKF_INVERSE, SKF_ARC, skf_form_circle)                                                             \
+  X(inverse_arc, SKF_INVERSE, SKF_ARC, skf_form_open_arc)                                                              \
+  X(inverse_squared_arc, SKF_INVERSE_SQUARED, SKF_ARC, skf_form_open_arc)                                              \
+  X(inverse_squared_circle, SKF_INVERSE_SQUARED, SKF_ARC, skf_form_circle)                                             \
+  X(gaussian_circle, SKF_GAUSSIAN, SKF_ARC, skf_form_circle)                                                           \
   X(inverse_triangle, SKF_INVERSE, SKF_TRIANGLE, skf_form_any)
 
 typedef enum skf_form {

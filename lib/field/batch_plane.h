@@ -26,7 +26,7 @@ SKF_INLINE skf_vd plane_height(const plane_row *c, skf_v3d x) {
   return (t + low) * c->per_length;
 }
 
-/* From F and -h, so that the slope is -2 pi z h. */
+/* From F and h; the slope is -2 pi z h. */
 SKF_INLINE skf_vvalue plane_result(const plane_row *c, skf_vd z, skf_vd F, skf_vd h, skf_vi good) {
   return (skf_vvalue){F, vd3_scale(vd_set(-2 * SKF_PI) * z * h, c->unit), good & (z - z == vd_set(0))};
 }
@@ -38,7 +38,7 @@ SKF_INLINE skf_vvalue cauchy_plane(const plane_row *c, skf_v3d x) {
 
 SKF_INLINE skf_vvalue gaussian_plane(const plane_row *c, skf_v3d x) {
   skf_vd z = plane_height(c, x), y = c->param2 * z * z, most = vd_set(VD_EXP_MAX);
-  skf_vi inside = y < most, beyond = y > vd_set(VD_EXP_ZERO);
+  skf_vi inside = y<most, beyond = y> vd_set(VD_EXP_ZERO);
   skf_vd h = (skf_vd)((skf_vi)vd_exp(-vd_min(y, most)) & inside);
   return plane_result(c, z, vd_set(SKF_PI) * c->per_param2 * h, h, inside | beyond);
 }

@@ -48,7 +48,8 @@ SKF_INLINE skf_vvalue gaussian_segment(const gaussian_span_row *c, skf_v3d x) {
   F = s->per_param * vd_select(brief, c->width * e2 * m, F);
   skf_vd ends = vd_select(brief, vd_set(2) * e2 * delta * vd_estrin(sinh, 8, q), e0 - e1);
   /* so that an exponential cut at VD_EXP_MAX does not count */
-  skf_vi seen = least < vd_set(VD_EXP_MAX - SKF_PICK(40, 17)), gone = (least > vd_set(VD_EXP_ZERO)) & (least < vd_set(INFINITY));
+  skf_vi seen = least < vd_set(VD_EXP_MAX - SKF_PICK(40, 17)),
+         gone = (least > vd_set(VD_EXP_ZERO)) & (least < vd_set(INFINITY));
   F = (skf_vd)((skf_vi)F & seen), ends = (skf_vd)((skf_vi)ends & seen);
   skf_v3d g = segment_gradient(s, &f, vd_set(-2) * a2 * F, ends);
   return (skf_vvalue){F, g, (seen & (f.n2 < vd_set(INFINITY))) | gone};
