@@ -147,17 +147,33 @@ static void one_block(const job *j, size_t from, size_t n) {
     if (j->out[k]) memcpy(j->out[k] + from, spare[k], n * sizeof(double));
 }
 
+/* Its whole blocks at once where all outputs are wanted */
+static void one(const job *j, size_t from, size_t n) {
+  const skf_tile *t = j->batch->tile;
+  size_t whole = j->out[0] && j->out[1] && j->out[2] && j->out[3] ? n / SKF_BATCH_PAD * SKF_BATCH_PAD : 0;
+  const double *const p[3] = {j->p[0] + from, j->p[1] + from, j->p[2] + from};
+  if (whole) {
+    double *const out[4] = {j->out[0] + from, j->out[1] + from, j->out[2] + from, j->out[3] + from};
+    j->batch->ops->form[t->form].one(t, whole, p, out);
+  }
+  for (size_t i = whole; i < n; i += SKF_BATCH) one_block(j, from + i, n - i < SKF_BATCH ? n - i : SKF_BATCH);
+}
+
+static void sum(const job *j, size_t from, size_t n) {
+  for (size_t i = 0; i < n; i += SKF_BATCH) sum_block(j, from + i, n - i < SKF_BATCH ? n - i : SKF_BATCH);
+}
+
 void skf_batch_eval(const skf_batch *b, size_t n, const double *const p[3], double *F, double *const g[3]) {
   job j = {b, p, {F, g ? g[0] : NULL, g ? g[1] : NULL, g ? g[2] : NULL}};
-  void (*block)(const job *, size_t, size_t) =
-      b->tiles == 1 && b->tile->column && b->tile->count == 1 ? one_block : sum_block;
-  if (n * b->tiles < 2048) { /* waking threads would cost more than the work, even to find one thread only: 0.4 us */
-    for (size_t from = 0; from < n; from += SKF_BATCH) block(&j, from, n - from < SKF_BATCH ? n - from : SKF_BATCH);
+  void (*range)(const job *, size_t, size_t) = b->tiles == 1 && b->tile->column && b->tile->count == 1 ? one : sum;
+  /* waking threads would cost more than the work, even to find one thread only: 0.4 us */
+  if (n * b->tiles < 2048) {
+    range(&j, 0, n);
     return;
   }
-  /* blocks for every thread; their size changes no result */
-  size_t share = n / (2 * (size_t)omp_get_max_threads()) / SKF_BATCH_PAD * SKF_BATCH_PAD;
-  size_t step = share < SKF_BATCH_PAD ? SKF_BATCH_PAD : share < SKF_BATCH ? share : SKF_BATCH;
-#pragma omp parallel for schedule(static)
-  for (size_t from = 0; from < n; from += step) block(&j, from, n - from < step ? n - from : step);
+  /* two shares for each thread, of whole blocks if they are that long; they change no result */
+  size_t share = n / (2 * (size_t)omp_get_max_threads()), unit = share < SKF_BATCH ? SKF_BATCH_PAD : SKF_BATCH;
+  size_t step = share < unit ? unit : share / unit * unit;
+#pragma omp parallel for schedule(dynamic)
+  for (size_t from = 0; from < n; from += step) range(&j, from, n - from < step ? n - from : step);
 }

@@ -9,11 +9,18 @@
      SKF_BATCH_FORM(NAME, ROW, AGAIN)                   its loops
    and a line in batch_forms.h; forms of one shape may share a ROW. Each lane sees one element at one point: whether a
    row was broadcast (lanes are points) or loaded (lanes are elements) a form cannot know, so that all that depends on
-   the element comes from the row. `good` tells the lanes whose value is as accurate as field.h promises. The others
-   (next to the body, on singular sets, out of range, NaN) are evaluated again, the whole vector by AGAIN, of the same
-   type as NAME, which takes more care, and what is still not good by the closed form. AGAIN may be skf_again_none.
-   Neither may depend on other lanes: `if (vi_any(m))` may save work but must not change what a lane gets. Two vectors
-   are evaluated at once, so that their chains fill each other's gaps: branches within NAME would keep them apart. */
+   the element comes from the row.
+
+   `good` tells the lanes whose value is as accurate as field.h promises. The others (next to the body, on singular
+   sets, out of range, NaN) are evaluated again, the whole vector by AGAIN, of the same type as NAME, which takes more
+   care, and what is still not good by the closed form. AGAIN may be skf_again_none. Neither may depend on other lanes:
+   `if (vi_any(m))` may save work but must not change what a lane gets.
+
+   A chain of a root, a division and a polynomial is longer than what the processor looks ahead. So two vectors are
+   evaluated at once, which branches within NAME would hinder; and a long form may be cut where its first results are in
+   flight, in NAME_state NAME_begin(const ROW_row *, skf_v3d x) and skf_vvalue NAME_end(const ROW_row *, const
+   NAME_state
+   *), with SKF_BATCH_STAGED(NAME, ROW, AGAIN, FLIGHT): FLIGHT vectors begin before the first ends. */
 #ifndef SKF_FIELD_BATCH_LOOP_H
 #define SKF_FIELD_BATCH_LOOP_H
 
@@ -68,6 +75,8 @@ static inline double *pack1(double *k, double a) {
 }
 static inline double *pack3(double *k, skf_vec3 a) { return pack1(pack1(pack1(k, a.x), a.y), a.z); }
 
+#define SKF_UNROLL _Pragma("GCC unroll 16")
+
 /* Element j's constants in all lanes */
 SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j) {
 #pragma GCC unroll 128
@@ -89,6 +98,13 @@ static inline void lanes_closed(const skf_prepared *e, const skf_v3d *x, skf_vva
   }
 }
 
+SKF_INLINE void vv_store(skf_vd strength, const skf_vvalue *v, double *const out[4], size_t i) {
+  vd_store(out[0] + i, strength * v->F);
+  vd_store(out[1] + i, strength * v->g.x);
+  vd_store(out[2] + i, strength * v->g.y);
+  vd_store(out[3] + i, strength * v->g.z);
+}
+
 /* *sum += v, the rounding error kept exactly [Knuth] */
 SKF_INLINE void sum_column(skf_batch_sum *sum, int k, size_t i, skf_vd v, bool first) {
   skf_vd a = first ? vd_set(0) : vd_load(sum->s[k] + i), low = first ? vd_set(0) : vd_load(sum->low[k] + i);
@@ -96,86 +112,99 @@ SKF_INLINE void sum_column(skf_batch_sum *sum, int k, size_t i, skf_vd v, bool f
   vd_store(sum->s[k] + i, s);
   vd_store(sum->low[k] + i, low + ((a - (s - t)) + (v - t)));
 }
-
-/* Vectors at once. */
-enum { SKF_FLIGHT = 2 };
+SKF_INLINE void sum_add(skf_batch_sum *sum, size_t i, const skf_vvalue *v, bool first) {
+  sum_column(sum, 0, i, v->F, first);
+  sum_column(sum, 1, i, v->g.x, first);
+  sum_column(sum, 2, i, v->g.y, first);
+  sum_column(sum, 3, i, v->g.z, first);
+}
 
 #define skf_again_none(row, x) ((skf_vvalue){.good = vi_set(0)})
 
+/* A form that is one function. */
 #define SKF_BATCH_FORM(name, row_name, again)                                                                          \
+  typedef skf_v3d name##_state;                                                                                        \
+  SKF_INLINE name##_state name##_begin(const row_name##_row *row, skf_v3d x) { return row ? x : x; }                   \
+  SKF_INLINE skf_vvalue name##_end(const row_name##_row *row, const name##_state *x) { return name(row, *x); }         \
+  SKF_BATCH_STAGED(name, row_name, again, 2)
+
+/* A form in two functions. `flight` vectors, even, have begun before the first ends. */
+#define SKF_BATCH_STAGED(name, row_name, again, flight)                                                                \
   typedef row_name##_row name##_row;                                                                                   \
   static double *name##_pack(const skf_prepared *e, double *k) { return row_name##_pack(e, k); }                       \
-  static __attribute__((noinline, cold)) void name##_redo(const skf_tile *tile, size_t j, const skf_v3d *x,            \
-                                                          skf_vvalue *v) {                                             \
+  static __attribute__((noinline, cold)) void name##_redo(const skf_tile *tile, size_t j, const double *const p[3],    \
+                                                          size_t i, skf_vvalue *v) {                                   \
+    const skf_v3d x = points_load(p, i);                                                                               \
     name##_row row;                                                                                                    \
     row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
-    skf_vvalue w = again(&row, *x);                                                                                    \
+    skf_vvalue w = again(&row, x);                                                                                     \
     v->F = vd_select(v->good, v->F, w.F);                                                                              \
     v->g = vd3_select(v->good, v->g, w.g);                                                                             \
     v->good |= w.good;                                                                                                 \
-    lanes_closed(tile->element[j], x, v);                                                                              \
+    lanes_closed(tile->element[j], &x, v);                                                                             \
   }                                                                                                                    \
-  /* SKF_FLIGHT vectors of points from i on */                                                                         \
-  SKF_INLINE void name##_step(const skf_tile *tile, size_t j, const name##_row *row, const skf_v3d *x,                 \
-                              skf_vvalue *v) {                                                                         \
-    skf_vi good = vi_set(-1);                                                                                          \
-    for (int u = 0; u < SKF_FLIGHT; u++) v[u] = name(row, x[u]), good &= v[u].good;                                    \
-    if (__builtin_expect(vi_bits(~good) == 0, 1)) return;                                                              \
-    for (int u = 0; u < SKF_FLIGHT; u++) {                                                                             \
-      skf_v3d at = x[u];                                                                                               \
+  /* The value of n = 1 or 2 vectors of points from i on */                                                            \
+  SKF_INLINE void name##_pair(const skf_tile *tile, size_t j, const name##_row *row, const name##_state *s,            \
+                              const double *const p[3], size_t i, size_t n, skf_vvalue *v) {                           \
+    for (size_t u = 0; u < n; u++) v[u] = name##_end(row, s + u);                                                      \
+    if (__builtin_expect(vi_all(n > 1 ? v[0].good & v[1].good : v[0].good), 1)) return;                                \
+    for (size_t u = 0; u < n; u++) {                                                                                   \
       skf_vvalue w = v[u];                                                                                             \
-      name##_redo(tile, j, &at, &w);                                                                                   \
+      if (vi_all(w.good)) continue;                                                                                    \
+      name##_redo(tile, j, p, i + u * SKF_LANES, &w);                                                                  \
       v[u] = w;                                                                                                        \
     }                                                                                                                  \
   }                                                                                                                    \
-  static void name##_one(const skf_tile *tile, size_t n, const double *const p[3], double *const out[4]) {             \
-    double *const F = out[0], *const gx = out[1], *const gy = out[2], *const gz = out[3];                              \
-    const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
-    name##_row row;                                                                                                    \
-    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, 0);                               \
+  SKF_INLINE void name##_one_step(const skf_tile *tile, const name##_row *row, const double *const p[3], size_t i,     \
+                                  size_t n, double *const out[4]) {                                                    \
     const skf_vd strength = vd_set(tile->column[0]);                                                                   \
-    for (size_t i = 0; i < n; i += SKF_FLIGHT * SKF_LANES) {                                                           \
-      skf_v3d x[SKF_FLIGHT];                                                                                           \
-      skf_vvalue v[SKF_FLIGHT];                                                                                        \
-      for (size_t u = 0; u < SKF_FLIGHT; u++) x[u] = points_load(in, i + u * SKF_LANES);                               \
-      name##_step(tile, 0, &row, x, v);                                                                                \
-      for (size_t u = 0; u < SKF_FLIGHT; u++) {                                                                        \
-        size_t at = i + u * SKF_LANES;                                                                                 \
-        vd_store(F + at, strength * v[u].F);                                                                           \
-        vd_store(gx + at, strength * v[u].g.x);                                                                        \
-        vd_store(gy + at, strength * v[u].g.y);                                                                        \
-        vd_store(gz + at, strength * v[u].g.z);                                                                        \
-      }                                                                                                                \
+    name##_state s[flight];                                                                                            \
+    SKF_UNROLL for (size_t u = 0; u < n; u++) s[u] = name##_begin(row, points_load(p, i + u * SKF_LANES));             \
+    SKF_UNROLL for (size_t u = 0; u < n; u += 2) {                                                                     \
+      skf_vvalue v[2];                                                                                                 \
+      size_t here = n - u < 2 ? 1 : 2, at = i + u * SKF_LANES;                                                         \
+      name##_pair(tile, 0, row, s + u, p, at, here, v);                                                                \
+      for (size_t k = 0; k < here; k++, at += SKF_LANES) vv_store(strength, v + k, out, at);                           \
     }                                                                                                                  \
   }                                                                                                                    \
-  static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
-    const double *const in[3] = {p[0], p[1], p[2]}, *const column = tile->column;                                      \
+  static void name##_one(const skf_tile *tile, size_t n, const double *const p[3], double *const out[4]) {             \
+    double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
+    const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
+    size_t i = 0;                                                                                                      \
+    name##_row row;                                                                                                    \
+    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, 0);                               \
+    for (; i + (flight)*SKF_LANES <= n; i += (flight)*SKF_LANES) name##_one_step(tile, &row, in, i, flight, to);       \
+    for (; i < n; i += SKF_LANES) name##_one_step(tile, &row, in, i, 1, to);                                           \
+  }                                                                                                                    \
+  SKF_INLINE void name##_add_step(const skf_tile *tile, const double *const p[3], size_t i, size_t n,                  \
+                                  skf_batch_sum *sum, bool first) {                                                    \
+    const double *const column = tile->column;                                                                         \
     const size_t count = tile->count;                                                                                  \
-    for (size_t i = 0; i < n; i += SKF_FLIGHT * SKF_LANES) {                                                           \
-      skf_v3d x[SKF_FLIGHT];                                                                                           \
-      skf_vvalue v[SKF_FLIGHT], all[SKF_FLIGHT];                                                                       \
-      for (size_t u = 0; u < SKF_FLIGHT; u++) {                                                                        \
-        x[u] = points_load(in, i + u * SKF_LANES);                                                                     \
-        all[u] = (skf_vvalue){.F = vd_set(0), .g = {vd_set(0), vd_set(0), vd_set(0)}};                                 \
-      }                                                                                                                \
-      for (size_t j = 0; j < count; j++) {                                                                             \
-        name##_row row;                                                                                                \
-        row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), column + SKF_TILE, j);                                 \
-        const skf_vd strength = vd_set(column[j]);                                                                     \
-        name##_step(tile, j, &row, x, v);                                                                              \
-        for (size_t u = 0; u < SKF_FLIGHT; u++) {                                                                      \
-          all[u].F = vd_fma(strength, v[u].F, all[u].F);                                                               \
-          all[u].g = vd3_mad(all[u].g, strength, v[u].g);                                                              \
+    skf_vvalue all[flight];                                                                                            \
+    SKF_UNROLL for (size_t u = 0; u < n; u++) all[u] = (skf_vvalue){.F = vd_set(0)};                                   \
+    for (size_t j = 0; j < count; j++) {                                                                               \
+      const skf_vd strength = vd_set(column[j]);                                                                       \
+      name##_state s[flight];                                                                                          \
+      name##_row row;                                                                                                  \
+      row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), column + SKF_TILE, j);                                   \
+      SKF_UNROLL for (size_t u = 0; u < n; u++) s[u] = name##_begin(&row, points_load(p, i + u * SKF_LANES));          \
+      SKF_UNROLL for (size_t u = 0; u < n; u += 2) {                                                                   \
+        skf_vvalue v[2];                                                                                               \
+        size_t here = n - u < 2 ? 1 : 2;                                                                               \
+        name##_pair(tile, j, &row, s + u, p, i + u * SKF_LANES, here, v);                                              \
+        for (size_t k = 0; k < here; k++) {                                                                            \
+          all[u + k].F = vd_fma(strength, v[k].F, all[u + k].F);                                                       \
+          all[u + k].g = vd3_mad(all[u + k].g, strength, v[k].g);                                                      \
         }                                                                                                              \
       }                                                                                                                \
-      for (size_t u = 0; u < SKF_FLIGHT; u++) {                                                                        \
-        size_t at = i + u * SKF_LANES;                                                                                 \
-        sum_column(sum, 0, at, all[u].F, first);                                                                       \
-        sum_column(sum, 1, at, all[u].g.x, first);                                                                     \
-        sum_column(sum, 2, at, all[u].g.y, first);                                                                     \
-        sum_column(sum, 3, at, all[u].g.z, first);                                                                     \
-      }                                                                                                                \
     }                                                                                                                  \
+    SKF_UNROLL for (size_t u = 0; u < n; u++) sum_add(sum, i + u * SKF_LANES, all + u, first);                         \
+  }                                                                                                                    \
+  static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
+    const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
+    size_t i = 0;                                                                                                      \
+    for (; i + (flight)*SKF_LANES <= n; i += (flight)*SKF_LANES) name##_add_step(tile, in, i, flight, sum, first);     \
+    for (; i < n; i += SKF_LANES) name##_add_step(tile, in, i, 1, sum, first);                                         \
   }
 
 static void batch_total(size_t n, const skf_batch_sum *sum, int k, double *out) {

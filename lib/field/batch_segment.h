@@ -48,9 +48,27 @@ SKF_INLINE skf_v3d segment_gradient(const segment_row *c, const segment_view *f,
   return vd3_mad(vd3_scale(ends, c->a), g * c->per_L2, vd3_cross(c->e, f->n));
 }
 
-/* With S = r0 + r1: F = log((S + L)^2 / D), D = S^2 - L^2 = 2 (r0 r1 + d0 d1) = 2 n^2 / (r0 r1 - d0 d1), whichever does
-   not cancel; int g dt = -2 L S / (D r0 r1). */
-SKF_INLINE skf_vvalue inverse_segment(const segment_row *c, skf_v3d x) {
+/* With S = r0 + r1: F = log((S + L)^2 / D), D = S^2 - L^2 = 2 (r0 r1 + d0 d1), grad F = -2 L / D (d0 / r0 + d1 / r1).
+   Seen from x the ends are less than 160 degrees apart, else D loses too much. */
+typedef struct inverse_segment_state {
+  skf_v3d d0, d1;
+  skf_vd r0, r1, rr, near, far;
+} inverse_segment_state;
+
+SKF_INLINE inverse_segment_state inverse_segment_begin(const segment_row *c, skf_v3d x) {
+  skf_v3d d0 = vd3_sub(x, c->from), d1 = vd3_sub(x, c->to);
+  skf_vd r0 = vd_sqrt(vd3_dot(d0, d0)), r1 = vd_sqrt(vd3_dot(d1, d1)), rr = r0 * r1;
+  return (inverse_segment_state){d0, d1, r0, r1, rr, rr + vd3_dot(d0, d1), (r0 + r1) + c->L};
+}
+
+SKF_INLINE skf_vvalue inverse_segment_end(const segment_row *c, const inverse_segment_state *s) {
+  skf_vd half = vd_set(0.5) * s->far, F = vd_log_ratio(s->far * half, s->near, c->L * s->far);
+  skf_vd w = -c->L / (s->near * s->rr), w0 = w * s->r1, w1 = w * s->r0;
+  return (skf_vvalue){F, vd3_mad(vd3_scale(w0, s->d0), w1, s->d1), (vd_set(16) * s->near > s->rr) & vd_sane(s->rr)};
+}
+
+/* D = 2 n^2 / (r0 r1 - d0 d1) where the sum cancels; int g dt = -2 L S / (D r0 r1). */
+SKF_INLINE skf_vvalue inverse_segment_close(const segment_row *c, skf_v3d x) {
   segment_view f = segment_see(c, x);
   skf_vd L = c->L, r0 = vd_sqrt(f.n0), r1 = vd_sqrt(f.n1), rr = r0 * r1, S = r0 + r1;
   skf_vd dot = vd3_dot(f.d0, f.d1), up = vd_abs(dot) + rr, two = vd_set(2);
@@ -78,7 +96,7 @@ SKF_INLINE skf_vvalue cauchy_segment(const segment_row *c, skf_v3d x) {
   return (skf_vvalue){F, segment_gradient(c, &f, g, ends), a.good & vd_sane(P * P2)};
 }
 
-SKF_BATCH_FORM(inverse_segment, segment, skf_again_none)
+SKF_BATCH_STAGED(inverse_segment, segment, inverse_segment_close, 8)
 SKF_BATCH_FORM(cauchy_segment, segment, skf_again_none)
 
 #endif

@@ -127,10 +127,16 @@ SKF_INLINE int vi_bits(skf_vi m) {
 }
 #endif
 
-SKF_INLINE bool vi_any(skf_vi m) { return vi_bits(m) != 0; }
-SKF_INLINE bool vi_all(skf_vi m) { return vi_bits(m) == (1 << SKF_LANES) - 1; }
+/* b where they are equal or one is NaN */
+#ifdef SKF_MM
+SKF_INLINE skf_vd vd_min(skf_vd a, skf_vd b) { return (skf_vd)SKF_MM(min)((skf_mm)a, (skf_mm)b); }
+SKF_INLINE skf_vd vd_max(skf_vd a, skf_vd b) { return (skf_vd)SKF_MM(max)((skf_mm)a, (skf_mm)b); }
+#else
 SKF_INLINE skf_vd vd_min(skf_vd a, skf_vd b) { return vd_select(a < b, a, b); }
 SKF_INLINE skf_vd vd_max(skf_vd a, skf_vd b) { return vd_select(a > b, a, b); }
+#endif
+SKF_INLINE bool vi_any(skf_vi m) { return vi_bits(m) != 0; }
+SKF_INLINE bool vi_all(skf_vi m) { return vi_bits(m) == (1 << SKF_LANES) - 1; }
 
 /* Neither tiny nor huge nor NaN: products and quotients of such numbers keep their accuracy. */
 SKF_INLINE skf_vi vd_sane(skf_vd a) {
