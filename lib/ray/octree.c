@@ -4,11 +4,10 @@
 #include "core/vec3.h"
 #include "field/some.h"
 #include <omp.h>
-#include <stdatomic.h>
 #include <string.h>
 
 /* A leaf is a cell in which the gradient turns by no more than this part of itself, */
-#define FLAT 0.7
+#define FLAT 1.5
 /* or which is this many halvings smaller than the cube. */
 #define LEVELS 14
 /* Rounding of places, relative to a cell's radius, that its bounds allow for. */
@@ -22,22 +21,10 @@ typedef struct block {
   size_t used, size;
 } block;
 
-/* A cell is a pointer to a leaf or a branch with its kind in the low bits, or the kind alone. */
-typedef _Atomic(uintptr_t) cell;
-#define KIND 7
-
-struct skf_branch {
-  cell child[8];
-  const uint32_t *list;
-  uint32_t count;
-  int level;
-};
-
 struct skf_octree {
   const skf_field *field;
   const skf_source *sources;
-  double iso, noise, size;
-  skf_vec3 lo;
+  double iso, noise;
   skf_branch *all; /* whose child 0 is the cube */
   block *memory;
   omp_lock_t lock;
@@ -82,11 +69,11 @@ static outlook look_out(const skf_octree *t, skf_vec3 c, double radius, const sk
   return o;
 }
 
-/* Finds out what the cell is; leaves and branches come without their lists. */
-static skf_cell_kind examine(const skf_octree *t, const skf_branch *in, const double lo[3], double size, uint32_t *kept,
-                             uint32_t *keep, skf_leaf *leaf) {
-  double half = 0.5 * size, radius = 0.8660254037844387 * size * (1 + SLACK), made_of;
-  leaf->center = v3(lo[0] + half, lo[1] + half, lo[2] + half);
+/* Finds out what the k-th cell of a branch is; a leaf comes without its list. */
+static int examine(const skf_octree *t, const skf_branch *in, int k, uint32_t *kept, uint32_t *keep, skf_leaf *leaf) {
+  double half = 0.5 * in->half, radius = 0.8660254037844387 * in->half * (1 + SLACK), made_of;
+  leaf->center = v3(in->middle.x + (k & 1 ? half : -half), in->middle.y + (k & 2 ? half : -half),
+                    in->middle.z + (k & 4 ? half : -half));
   outlook o = look_out(t, leaf->center, radius, in, kept, keep);
   if (o.hi < t->iso) return SKF_CELL_OUTSIDE;
   if (o.lo > t->iso) return SKF_CELL_INSIDE;
@@ -101,10 +88,9 @@ static skf_cell_kind examine(const skf_octree *t, const skf_branch *in, const do
   return flat || in->level == LEVELS ? SKF_CELL_LEAF : SKF_CELL_BRANCH;
 }
 
-/* The cell's word, with what it points to; 0 when memory is out. */
-static uintptr_t make(skf_octree *t, skf_cell_kind kind, const skf_branch *in, const uint32_t *kept, uint32_t keep,
-                      const skf_leaf *leaf) {
-  if (kind < SKF_CELL_BRANCH) return (uintptr_t)kind;
+static skf_cell make(skf_octree *t, int kind, const skf_branch *in, const uint32_t *kept, uint32_t keep,
+                     const skf_leaf *leaf) {
+  if (kind < SKF_CELL_BRANCH) return (skf_cell)kind;
   const uint32_t *list = in->list; /* shared where nothing was dropped */
   if (keep < in->count) {
     uint32_t *own = take(t, keep * sizeof *own);
@@ -118,45 +104,32 @@ static uintptr_t make(skf_octree *t, skf_cell_kind kind, const skf_branch *in, c
     *l = *leaf, l->list = list, l->count = keep;
   } else {
     skf_branch *b = what;
+    b->middle = leaf->center, b->half = 0.5 * in->half;
     b->list = list, b->count = keep, b->level = in->level + 1;
   }
-  return (uintptr_t)what | (uintptr_t)kind;
+  return (skf_cell)what + (skf_cell)kind;
 }
 
-static uintptr_t explore(skf_octree *t, const skf_branch *in, cell *c, const double lo[3], double size) {
+skf_cell skf_octree_explore(skf_octree *t, skf_branch *in, int k) {
   enum { FEW = 256 };
   uint32_t few[FEW], *kept = few, keep;
   if (in->count > FEW && !(kept = skf_alloc(in->count, sizeof *kept))) return 0;
   skf_leaf leaf = {.f = 0};
-  skf_cell_kind kind = examine(t, in, lo, size, kept, &keep, &leaf);
+  int kind = examine(t, in, k, kept, &keep, &leaf);
   omp_set_lock(&t->lock);
-  uintptr_t word = atomic_load_explicit(c, memory_order_relaxed); /* somebody else may have been here */
-  if (!word) {
-    word = make(t, kind, in, kept, keep, &leaf);
-    atomic_store_explicit(c, word, memory_order_release);
+  skf_cell c = atomic_load_explicit(in->child + k, memory_order_relaxed); /* somebody else may have been here */
+  if (!c) {
+    c = make(t, kind, in, kept, keep, &leaf);
+    atomic_store_explicit(in->child + k, c, memory_order_release);
   }
   omp_unset_lock(&t->lock);
   if (kept != few) skf_free(kept);
-  return word;
+  return c;
 }
 
-skf_cell skf_octree_child(skf_octree *t, skf_branch *in, int k, const double lo[3], double size) {
-  uintptr_t word = atomic_load_explicit(in->child + k, memory_order_acquire);
-  if (!word) word = explore(t, in, in->child + k, lo, size);
-  skf_cell out = {.kind = (skf_cell_kind)(word & KIND)};
-  if (out.kind == SKF_CELL_LEAF)
-    out.leaf = (const skf_leaf *)(word & ~(uintptr_t)KIND);
-  else if (out.kind == SKF_CELL_BRANCH)
-    out.branch = (skf_branch *)(word & ~(uintptr_t)KIND);
-  return out;
-}
+skf_branch *skf_octree_top(const skf_octree *t) { return t->all; }
 
-skf_cell skf_octree_root(skf_octree *t, skf_vec3 *lo, double *size) {
-  *lo = t->lo, *size = t->size;
-  return skf_octree_child(t, t->all, 0, (const double[3]){t->lo.x, t->lo.y, t->lo.z}, t->size);
-}
-
-double skf_octree_least(const skf_octree *t) { return ldexp(t->size, -LEVELS); }
+double skf_octree_least(const skf_octree *t) { return ldexp(t->all->half, -LEVELS); }
 
 skf_status skf_octree_new(const skf_field *field, const skf_source *sources, size_t n, double iso, double noise,
                           skf_box region, skf_octree **out) {
@@ -165,14 +138,14 @@ skf_status skf_octree_new(const skf_field *field, const skf_source *sources, siz
   if (!t) return SKF_ERR_NOMEM;
   skf_vec3 d = v3_sub(region.hi, region.lo);
   t->field = field, t->sources = sources, t->iso = iso, t->noise = noise;
-  t->size = fmax(d.x, fmax(d.y, d.z)) * (1 + SLACK);
-  t->lo = v3_mad(box_center(region), -0.5 * t->size, v3(1, 1, 1));
+  double size = fmax(d.x, fmax(d.y, d.z)) * (1 + SLACK);
   omp_init_lock(&t->lock);
   t->all = take(t, sizeof *t->all);
   uint32_t *all = t->all ? take(t, n * sizeof *all) : NULL;
   if (!all) return skf_octree_free(t), SKF_ERR_NOMEM;
   for (size_t i = 0; i < n; i++) all[i] = (uint32_t)i;
   t->all->list = all, t->all->count = (uint32_t)n;
+  t->all->half = size, t->all->middle = v3_mad(box_center(region), 0.5 * size, v3(1, 1, 1));
   return *out = t, SKF_OK;
 }
 

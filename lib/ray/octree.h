@@ -7,6 +7,7 @@
 #define SKF_RAY_OCTREE_H
 
 #include "ray/source.h"
+#include <stdatomic.h>
 #include <stdint.h>
 
 /* A cell that the surface may pass. Within its ball, to rounding: |F - iso - f - g . (p - center)| <= flat; |grad F| <=
@@ -27,29 +28,31 @@ skf_status skf_octree_new(const skf_field *field, const skf_source *sources, siz
                           skf_box region, skf_octree **out);
 void skf_octree_free(skf_octree *tree);
 
-/* What a cell is; the branch or the leaf when it is one. SKF_CELL_UNKNOWN: memory is out. */
-typedef enum skf_cell_kind {
-  SKF_CELL_UNKNOWN,
-  SKF_CELL_OUTSIDE,
-  SKF_CELL_INSIDE,
-  SKF_CELL_BRANCH,
-  SKF_CELL_LEAF
-} skf_cell_kind;
+/* A cell is a pointer to a leaf or a branch with its kind in the low bits, or its kind alone; 0: not examined yet, or
+   memory was out. */
+enum { SKF_CELL_OUTSIDE = 1, SKF_CELL_INSIDE, SKF_CELL_BRANCH, SKF_CELL_LEAF, SKF_CELL_KIND = 7 };
+typedef uintptr_t skf_cell;
 
-typedef struct skf_branch skf_branch;
-typedef struct skf_cell {
-  skf_cell_kind kind;
-  union {
-    const skf_leaf *leaf;
-    skf_branch *branch;
-  };
-} skf_cell;
+typedef struct skf_branch {
+  _Atomic(skf_cell) child[8]; /* bits 1, 2, 4 for the upper halves in x, y, z */
+  skf_vec3 middle;
+  double half; /* edge of its children */
+  const uint32_t *list;
+  uint32_t count;
+  int level;
+} skf_branch;
 
-/* The whole cube. */
-skf_cell skf_octree_root(skf_octree *tree, skf_vec3 *lo, double *size);
-/* One of the eight cells of a branch: bits 1, 2, 4 of `k` for the upper halves in x, y, z; `lo` and `size` are its own.
- */
-skf_cell skf_octree_child(skf_octree *tree, skf_branch *branch, int k, const double lo[3], double size);
+static inline const skf_leaf *skf_cell_leaf(skf_cell c) { return (const skf_leaf *)(c - SKF_CELL_LEAF); }
+static inline skf_branch *skf_cell_branch(skf_cell c) { return (skf_branch *)(c - SKF_CELL_BRANCH); }
+
+/* The branch whose child 0 is the whole cube. */
+skf_branch *skf_octree_top(const skf_octree *tree);
+skf_cell skf_octree_explore(skf_octree *tree, skf_branch *branch, int k);
+
+static inline skf_cell skf_octree_child(skf_octree *tree, skf_branch *branch, int k) {
+  skf_cell c = atomic_load_explicit(branch->child + k, memory_order_acquire);
+  return c ? c : skf_octree_explore(tree, branch, k);
+}
 
 /* Edge of the smallest cells. */
 double skf_octree_least(const skf_octree *tree);

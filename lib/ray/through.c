@@ -6,7 +6,8 @@
 typedef struct passage {
   skf_walk *w;
   skf_octree *tree;
-  double o[3], d[3], per[3]; /* origin, direction, 1 / direction */
+  double o[3], per[3]; /* origin, 1 / direction */
+  int backwards;       /* a bit for each negative coordinate of the direction */
   skf_crossing_fn *found;
   void *user;
   skf_knot knot; /* at the end of the last leaf */
@@ -35,28 +36,27 @@ static bool through_leaf(passage *p, const skf_leaf *leaf, double a, double b) {
   return walk(p, leaf->bend < INFINITY || leaf->fourth < INFINITY ? leaf : NULL, a, b);
 }
 
-static bool through(passage *p, skf_cell cell, const double lo[3], double size, double a, double b) {
-  if (cell.kind == SKF_CELL_LEAF) return through_leaf(p, cell.leaf, a, b);
-  if (cell.kind == SKF_CELL_UNKNOWN) return walk(p, NULL, a, b);
-  if (cell.kind != SKF_CELL_BRANCH) {
-    p->w->last = cell.kind == SKF_CELL_OUTSIDE ? -1 : 1;
-    return true;
-  }
-  double half = 0.5 * size, middle[3], t[3];
-  for (int i = 0; i < 3; i++) {
-    middle[i] = lo[i] + half;
-    t[i] = p->d[i] != 0 ? (middle[i] - p->o[i]) * p->per[i] : p->o[i] < middle[i] ? INFINITY : -INFINITY;
-  }
+static bool through(passage *p, skf_branch *branch, double a, double b) {
+  const double *m = &branch->middle.x;
+  double t0 = (m[0] - p->o[0]) * p->per[0], t1 = (m[1] - p->o[1]) * p->per[1], t2 = (m[2] - p->o[2]) * p->per[2];
   while (a < b) {
-    double next = b, at[3];
-    int k = 0;
-    for (int i = 0; i < 3; i++) {
-      bool passed = t[i] <= a, upper = passed != (p->d[i] < 0);
-      if (!passed) next = fmin(next, t[i]);
-      at[i] = upper ? middle[i] : lo[i];
-      k |= upper << i;
+    int k = ((t0 <= a) | (t1 <= a) << 1 | (t2 <= a) << 2) ^ p->backwards;
+    double next = t0 > a && t0 < b ? t0 : b;
+    next = t1 > a && t1 < next ? t1 : next;
+    next = t2 > a && t2 < next ? t2 : next;
+    skf_cell c = skf_octree_child(p->tree, branch, k);
+    switch (c & SKF_CELL_KIND) {
+    case SKF_CELL_OUTSIDE: p->w->last = -1; break;
+    case SKF_CELL_INSIDE: p->w->last = 1; break;
+    case SKF_CELL_BRANCH:
+      if (!through(p, skf_cell_branch(c), a, next)) return false;
+      break;
+    case SKF_CELL_LEAF:
+      if (!through_leaf(p, skf_cell_leaf(c), a, next)) return false;
+      break;
+    default:
+      if (!walk(p, NULL, a, next)) return false;
     }
-    if (!through(p, skf_octree_child(p->tree, cell.branch, k, at, half), at, half, a, next)) return false;
     a = next;
   }
   return true;
@@ -66,11 +66,17 @@ bool skf_walk_octree(skf_walk *w, double from, double to, skf_crossing_fn *found
   skf_octree *tree = w->tracer->tree;
   passage p = {.w = w, .tree = tree, .found = found, .user = user};
   for (int i = 0; i < 3; i++) {
-    p.o[i] = v3_get(w->origin, i), p.d[i] = v3_get(w->direction, i);
-    p.per[i] = 1 / p.d[i];
+    double d = v3_get(w->direction, i);
+    p.o[i] = v3_get(w->origin, i);
+    p.per[i] = fabs(d) > 1e-300 ? 1 / d : 1e300; /* what does not move is before a middle or behind it */
+    p.backwards |= (d < -1e-300) << i;
   }
-  skf_vec3 lo;
-  double size;
-  skf_cell root = skf_octree_root(tree, &lo, &size);
-  return through(&p, root, (const double[3]){lo.x, lo.y, lo.z}, size, from, to);
+  skf_cell cube = skf_octree_child(tree, skf_octree_top(tree), 0);
+  switch (cube & SKF_CELL_KIND) {
+  case SKF_CELL_OUTSIDE:
+  case SKF_CELL_INSIDE: return true;
+  case SKF_CELL_BRANCH: return through(&p, skf_cell_branch(cube), from, to);
+  case SKF_CELL_LEAF: return through_leaf(&p, skf_cell_leaf(cube), from, to);
+  default: return walk(&p, NULL, from, to);
+  }
 }
