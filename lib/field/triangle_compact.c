@@ -25,22 +25,43 @@ double skf_disc_chord2(const skf_disc *disc, const skf_triangle_view *g, int edg
   return disc->power[first ? edge : (edge + 1) % 3] + l * l;
 }
 
+/* int d dl / (d^2 + l^2) over [l1, l2], whose length is known better */
+static double angle(double d, double l1, double l2, double length) {
+  return d == 0 ? 0 : atan2(d * length, d * d + l1 * l2);
+}
+
 skf_edge_clip skf_edge_cut(const skf_triangle_view *g, int edge, const skf_disc *disc) {
-  double d = g->d[edge], l1 = g->l1[edge], l2 = g->l2[edge], c2 = skf_disc_chord2(disc, g, edge);
-  skf_edge_clip c = {false, 0, 0, 0, 0};
-  if (c2 > 0) {
-    c.chord = sqrt(c2);
-    c.b1 = fmax(l1, -c.chord);
-    c.b2 = fmin(l2, c.chord);
-    c.in = c.b1 < c.b2;
-  }
+  double d = g->d[edge], l1 = g->l1[edge], l2 = g->l2[edge], L = g->T->L[edge];
+  double q1 = disc->power[edge], q2 = disc->power[(edge + 1) % 3];
+  double c2 = q1 > 0 ? q1 + l1 * l1 : q2 > 0 ? q2 + l2 * l2 : skf_disc_chord2(disc, g, edge);
+  bool in1 = q1 > 0, in2 = q2 > 0;
+  skf_edge_clip c = {.in = c2 > 0 && (in1 || l1 < 0) && (in2 || l2 > 0)};
   if (!c.in) {
-    c.out = skf_edge_angle(d, l1, l2);
+    c.out = angle(d, l1, l2, L);
     return c;
   }
-  if (l1 < -c.chord) c.out += skf_edge_angle(d, l1, -c.chord);
-  if (l2 > c.chord) c.out += skf_edge_angle(d, c.chord, l2);
+  double T = c.chord = sqrt(c2); /* q = (T - l) (T + l) */
+  c.b1 = in1 ? l1 : -T, c.b2 = in2 ? l2 : T;
+  c.gap1 = !in1 ? 0 : l1 < 0 ? q1 / (T - l1) : T + l1;
+  c.gap2 = !in2 ? 0 : l2 > 0 ? q2 / (T + l2) : T - l2;
+  double above1 = l1 > 0 ? q1 / (T + l1) : T - l1, below2 = l2 < 0 ? q2 / (T - l2) : T + l2;
+  c.length = in1 && in2 ? L : in1 ? above1 : in2 ? below2 : 2 * T;
+  c.before = in1 ? 0 : -q1 / (T - l1), c.after = in2 ? 0 : -q2 / (T + l2);
+  if (!in1) c.out += angle(d, l1, -T, c.before);
+  if (!in2) c.out += angle(d, T, l2, c.after);
   return c;
+}
+
+skf_panels skf_clip_panels(const skf_edge_clip *e, double delta) {
+  skf_panels p = skf_panels_over(e->b1, e->b2, delta);
+  if (p.plain) p.step = e->length;
+  return p;
+}
+
+double skf_clip_power(const skf_edge_clip *e, const skf_panels *p, int node, double l) {
+  double x = skf_gauss_rule(SKF_PANEL_NODES)[node].x, half = 0.5 * e->length;
+  if (p->plain) return (e->gap1 + half * (1 + x)) * (e->gap2 + half * (1 - x));
+  return (e->gap1 + (l - e->b1)) * (e->gap2 + (e->b2 - l));
 }
 
 skf_compact_node skf_compact_at(skf_compact_kind kind, double y, double r, double R) {
@@ -75,9 +96,10 @@ static void edge_inside(const polynomial *c, const skf_triangle_view *g, int i, 
                         skf_triangle_sum *s, double zw[2], double *F, bool sum_terms) {
   int n = c->kind == SKF_COMPACT_QUARTIC ? 3 : 4;
   const skf_gauss_node *rule = skf_gauss_rule(n);
-  double half = 0.5 * (e->b2 - e->b1), mid = 0.5 * (e->b1 + e->b2), R = c->disc.R, R2 = R * R, d = g->d[i];
+  double half = 0.5 * e->length, R = c->disc.R, R2 = R * R, d = g->d[i];
   for (int j = 0; j < n; j++) {
-    double l = mid + half * rule[j].x, w = half * rule[j].w, y = (e->chord - l) * (e->chord + l) / R2;
+    double w = half * rule[j].w;
+    double y = (e->gap1 + half * (1 + rule[j].x)) * (e->gap2 + half * (1 - rule[j].x)) / R2;
     skf_compact_node p = skf_compact_at(c->kind, y, 0, R);
     s->J[i] += w * p.h;
     s->K[i] += w * p.g;
@@ -93,11 +115,11 @@ static void edge_inside(const polynomial *c, const skf_triangle_view *g, int i, 
 static void edge_beyond(const polynomial *c, const skf_triangle_view *g, int i, const skf_edge_clip *e, double zw[2],
                         double *F) {
   double l[SKF_PANEL_NODES], w[SKF_PANEL_NODES], R = c->disc.R, R2 = R * R, d = g->d[i];
-  skf_panels p = skf_panels_over(e->b1, e->b2, skf_panel_scale(d, e->b1, e->b2));
+  skf_panels p = skf_clip_panels(e, skf_panel_scale(d, e->b1, e->b2));
   for (int k = 0; k < p.count; k++) {
     skf_panel_nodes(&p, k, l, w);
     for (int j = 0; j < SKF_PANEL_NODES; j++) {
-      double y = (e->chord - l[j]) * (e->chord + l[j]) / R2, q = d * w[j] / (d * d + l[j] * l[j]);
+      double y = skf_clip_power(e, &p, j, l[j]) / R2, q = d * w[j] / (d * d + l[j] * l[j]);
       skf_compact_node n = skf_compact_at(c->kind, y, 0, R);
       *F -= q * R2 * terms_at(c->kind, y, c->y0).G;
       zw[0] += q * n.h;
@@ -158,7 +180,7 @@ static void field(skf_compact_kind kind, const skf_prepared *prepared, skf_vec3 
   double R = prepared->kernel.param;
   skf_triangle_view g;
   skf_triangle_face(&prepared->plan.triangle, x, &g);
-  if (g.dist > R * (1 + 1e-12)) return; /* clear of the support in plain arithmetic too */
+  if (skf_triangle_clear(&g, R)) return;
   skf_triangle_look(&g);
   if (g.dist >= R) return;
   polynomial c = {.kind = kind, .disc = skf_disc_at(&g, R)};
@@ -173,10 +195,10 @@ static void field(skf_compact_kind kind, const skf_prepared *prepared, skf_vec3 
   skf_triangle_cond cond = skf_triangle_assemble(&g, &s, order, v);
   bool keep = fmax(cond.F, 0.1 * cond.g) <= SKF_COMPACT_COND;
   if (keep && cond.h <= SKF_TRIANGLE_COND_HESSIAN) return;
-  skf_value slabs = {0};
-  skf_compact_slabs(kind, &c.disc, &g, order, &slabs);
-  if (keep) slabs.F = v->F, slabs.g = v->g; /* the same F and gradient with and without the Hessian */
-  *v = slabs;
+  skf_value rays = {0};
+  skf_compact_polar(kind, &c.disc, &g, order, &rays);
+  if (keep) rays.F = v->F, rays.g = v->g; /* the same F and gradient with and without the Hessian */
+  *v = rays;
 }
 
 void skf_triangle_quartic(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {

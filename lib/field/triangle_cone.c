@@ -11,7 +11,7 @@ typedef struct part {
 /* Antiderivatives; they would cancel where the disc is a small cap of the support. */
 static part closed_part(const skf_triangle_view *g, double R, int i, const skf_edge_clip *e, skf_triangle_sum *s) {
   double d = g->d[i], z = g->z, az = fabs(z), c2 = d * d + z * z, b1 = e->b1, b2 = e->b2;
-  double r1 = sqrt(c2 + b1 * b1), r2 = sqrt(c2 + b2 * b2), len = b2 - b1, R2 = R * R;
+  double r1 = sqrt(c2 + b1 * b1), r2 = sqrt(c2 + b2 * b2), len = e->length, R2 = R * R;
   double lam = skf_edge_log(b1, b2, c2, r1, r2), solid = skf_edge_solid(d, z, c2, b1, r1, b2, r2);
   double th = d * lam - az * solid, int_r = 0.5 * (b2 * r2 - b1 * r1 + c2 * lam);
   double int_l2 = len * (b1 * b1 + b1 * b2 + b2 * b2) / 3;
@@ -27,14 +27,14 @@ static part panel_part(const skf_triangle_view *g, const skf_disc *disc, int i, 
   double d = g->d[i], z = g->z, c = hypot(d, z), R = disc->R, w0 = fabs(z) / R, R2 = R * R;
   double b = disc->rm * disc->rm / (R * (R + fabs(z)));
   double l[SKF_PANEL_NODES], w[SKF_PANEL_NODES], near = 1e-3 * skf_edge_nearest(e->b1, e->b2);
-  double delta = beyond ? skf_panel_scale(d, e->b1, e->b2) : fmax(fmax(c, near), 1e-12 * (e->b2 - e->b1));
-  skf_panels p = skf_panels_over(e->b1, e->b2, delta);
+  double delta = beyond ? skf_panel_scale(d, e->b1, e->b2) : fmax(fmax(c, near), 1e-12 * e->length);
+  skf_panels p = skf_clip_panels(e, delta);
   part sum = {0, 0, 0};
   for (int k = 0; k < p.count; k++) {
     skf_panel_nodes(&p, k, l, w);
     for (int j = 0; j < SKF_PANEL_NODES; j++) {
       double r = sqrt(c * c + l[j] * l[j]), u = r / R, us = u + w0;
-      double a = (e->chord - l[j]) * (e->chord + l[j]) / (R2 * (1 + u)), rho2 = d * d + l[j] * l[j];
+      double a = skf_clip_power(e, &p, j, l[j]) / (R2 * (1 + u)), rho2 = d * d + l[j] * l[j];
       s->J[i] += w[j] * a * a;
       s->K[i] -= w[j] * 2 * a / (R * r);
       if (beyond) {
@@ -94,6 +94,28 @@ static void mend_gradient(const skf_triangle_view *g, double R, const skf_triang
                 v3_add(v3_scale(skf_cone_transverse(g, R), T->m[T->longest]), v3_scale(s->Z, T->n)));
 }
 
+static void eval(double R, double w, double d[4]) {
+  double r = sqrt(w), a = 1 - r / R;
+  d[0] = a * a;
+  d[1] = -a / (R * r);
+  d[2] = 0.5 / (R * r * w);
+}
+
+static skf_rim rim_of(const skf_triangle_view *g, const skf_disc *disc) {
+  const skf_triangle_plan *T = g->T;
+  int k = T->longest;
+  double X = g->l1[k];
+  skf_rim rim = {.radius = disc->rm};
+  for (int step = 0; step < 3; step++) {
+    int i = (k + step) % 3;
+    skf_edge_clip e = skf_edge_cut(g, i, disc);
+    if (e.in && e.before > 0) rim.at[rim.count++] = X + T->c[i] * e.before;
+    if (e.in && e.after > 0) rim.at[rim.count++] = X + T->c[i] * (T->L[i] - e.after);
+    X += T->c[i] * T->L[i];
+  }
+  return rim;
+}
+
 static void cone(const skf_triangle_view *g, double R, int order, skf_value *v) {
   if (g->dist >= R) return;
   skf_disc disc = skf_disc_at(g, R);
@@ -109,13 +131,16 @@ static void cone(const skf_triangle_view *g, double R, int order, skf_value *v) 
   bool keep = c.F <= limit;
   if (keep) {
     if (0.1 * c.g > limit) mend_gradient(g, R, &s, v);
-    /* The slabs bisect towards the point. Nearer than the height the edges keep eps times the aspect. */
-    if (c.h <= SKF_TRIANGLE_COND_HESSIAN || g->dist < 0.1 * g->T->twice / g->T->diam) return;
+    if (c.h <= SKF_TRIANGLE_COND_HESSIAN) return;
   }
-  skf_value slabs = {0};
-  skf_compact_slabs(SKF_COMPACT_CONE, &disc, g, order, &slabs);
-  if (keep) slabs.F = v->F, slabs.g = v->g; /* the same F and gradient with and without the Hessian */
-  *v = slabs;
+  skf_value rays = {0};
+  if (g->dist < 0.5 * R) { /* off the rim */
+    skf_rim end = rim_of(g, &disc);
+    skf_quad_across(eval, R, 0, g, disc.all ? NULL : &end, order, &rays);
+  } else
+    skf_compact_polar(SKF_COMPACT_CONE, &disc, g, order, &rays);
+  if (keep) rays.F = v->F, rays.g = v->g; /* the same F and gradient with and without the Hessian */
+  *v = rays;
 }
 
 void skf_triangle_metaball(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
@@ -126,7 +151,7 @@ void skf_triangle_metaball(const skf_prepared *e, skf_vec3 x, int order, skf_val
     skf_quad_conical(skf_kernel_row(SKF_METABALL)->eval, R, g.a, g.T->area, 2, order, v);
     return;
   }
-  if (g.dist > R * (1 + 1e-12)) return; /* clear of the support in plain arithmetic too */
+  if (skf_triangle_clear(&g, R)) return;
   skf_triangle_look(&g);
   skf_value outer = {0}, inner = {0};
   cone(&g, R, order, &outer);

@@ -66,6 +66,15 @@ void skf_triangle_face(const skf_triangle_plan *T, skf_vec3 x, skf_triangle_view
   g->dist = skf_triangle_distance(g->a);
 }
 
+/* How far the origin is from the interval of three numbers. */
+static double outside(double a, double b, double c) { return fmax(0, fmax(fmin(a, fmin(b, c)), -fmax(a, fmax(b, c)))); }
+
+bool skf_triangle_clear(const skf_triangle_view *g, double distance) {
+  const skf_vec3 *a = g->a;
+  double x = outside(a[0].x, a[1].x, a[2].x), y = outside(a[0].y, a[1].y, a[2].y), z = outside(a[0].z, a[1].z, a[2].z);
+  return x * x + y * y + z * z > distance * distance * (1 + 1e-12);
+}
+
 void skf_triangle_look(skf_triangle_view *g) {
   const skf_triangle_plan *T = g->T;
   g->z = -dd3_dot_round(T->N, g->a2[g->nearest]) * T->per_N;

@@ -38,6 +38,9 @@ void skf_triangle_face(const skf_triangle_plan *T, skf_vec3 x, skf_triangle_view
 /* The rest. */
 void skf_triangle_look(skf_triangle_view *g);
 
+/* After skf_triangle_face: surely farther than `distance`, which g->dist is not in plain arithmetic. */
+bool skf_triangle_clear(const skf_triangle_view *g, double distance);
+
 /* Abscissa of the third vertex along the longest edge. */
 double skf_triangle_apex(const skf_triangle_view *g);
 
@@ -112,17 +115,33 @@ int skf_quad_order(double far, double diam);
 void skf_quad_conical(skf_kernel_eval_fn eval, double param, const skf_vec3 a[3], double area, int n, int order,
                       skf_value *v);
 
-/* Bisects the longest side until each part is as far as its size; false when that takes too many parts. width: distance
-   of the kernel's complex singularity at r = 0 (1/s for cauchy, else 0). */
-bool skf_quad_bisect(skf_kernel_eval_fn eval, double param, double width, const skf_triangle_view *g, int order,
-                     skf_value *v);
+/* A complex singularity at x +- i y. */
+typedef struct skf_place {
+  double x, y;
+} skf_place;
+
+/* Calls f(context, x, weight) for the nodes of Gauss rules over [lo, hi], bisected until each part is as short as it is
+   far from the singularities. */
+void skf_quad_graded(const skf_place *at, int count, double lo, double hi,
+                     void (*f)(void *context, double x, double weight), void *context);
+
+/* The kernel vanishes at `radius` from p' on: where that circle meets the edges, in abscissae of the longest side. */
+typedef struct skf_rim {
+  double radius, at[6];
+  int count;
+} skf_rim;
+
+/* Slices across the longest side: a sum of positive terms. width: distance of the kernel's complex singularity at r = 0
+   (1/s for cauchy, else 0). rim: NULL, or where the support ends; not for points next to it. */
+void skf_quad_across(skf_kernel_eval_fn eval, double param, double width, const skf_triangle_view *g,
+                     const skf_rim *rim, int order, skf_value *v);
 
 /* Largest condition of an edge sum that is kept: of F and a tenth of the gradient's, and of the Hessian's. The Hessian
    of a sliver next to it costs its aspect ratio in digits; the limit keeps 1e-11. */
 #define SKF_TRIANGLE_COND         1e3
-#define SKF_TRIANGLE_COND_HESSIAN 1e5
+#define SKF_TRIANGLE_COND_HESSIAN 1e4
 
-/* The edge sum where it is well conditioned, else skf_quad_bisect with the arguments above. */
+/* The edge sum where it is well conditioned, else skf_quad_across with the arguments above. */
 void skf_triangle_settle(skf_kernel_eval_fn eval, double param, double width, const skf_triangle_view *g,
                          const skf_triangle_sum *s, int order, skf_value *v);
 

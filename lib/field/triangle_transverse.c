@@ -5,14 +5,14 @@
 
 typedef struct side {
   const skf_triangle_view *g;
-  double R, height, Yb;   /* Yb: ordinate of the longest side, from p' */
-  double start, len, end; /* l at the start of the side edge, its length, X there */
-  double slope;           /* -dX/dl > 0 */
-  bool left;              /* the side edge ends where the longest one starts */
+  double R, height, Yb; /* Yb: ordinate of the longest side, from p' */
+  double start, len;    /* l at the start of the side edge, its length */
+  double foot, slope;   /* X = foot - slope l, slope > 0 */
+  bool left;            /* the side edge ends where the longest one starts */
 } side;
 
 static double rise(const side *s, double l) {
-  double R = s->R, X = s->end - (l - s->start) * s->slope, tau = (l - s->start) / s->len;
+  double R = s->R, X = s->foot - l * s->slope, tau = (l - s->start) / s->len;
   double wide = s->height * (s->left ? 1 - tau : tau), cb = hypot(s->Yb, s->g->z), ct = hypot(s->Yb + wide, s->g->z);
   double rb = hypot(X, cb), rt = hypot(X, ct), ab = 1 - rb / R, at = 1 - rt / R;
   if (ab <= 0) return at <= 0 ? 0 : at * at;
@@ -40,12 +40,12 @@ double skf_cone_transverse(const skf_triangle_view *g, double R) {
   for (int step = 1; step <= 2; step++) {
     int j = (i + step) % 3;
     bool left = step == 2;
-    side s = {g, R, height, -g->d[i], g->l1[j], g->l2[j] - g->l1[j], left ? apex : g->l2[i], -T->c[j], left};
+    side s = {g, R, height, -g->d[i], g->l1[j], T->L[j], -T->s[j] * g->d[j], -T->c[j], left};
     if (!(left ? apex > g->l1[i] : g->l2[i] > apex)) continue;
     double own = chord(R, g->d[j], g->z), delta = fmin(hypot(g->d[j], g->z), hypot(g->d[i], g->z));
     /* breaks: the foot of p on the side edge and on the longest one, the rim on both */
     double at[8] = {g->l1[j], g->l2[j], 0, own, -own};
-    for (int k = -1; k <= 1; k++) at[6 + k] = s.start + (s.end - k * bottom) / s.slope;
+    for (int k = -1; k <= 1; k++) at[6 + k] = (s.foot - k * bottom) / s.slope;
     for (int k = 2; k < 8; k++) at[k] = fmin(fmax(at[k], g->l1[j]), g->l2[j]);
     for (int a = 1; a < 8; a++)
       for (int b = a; b > 0 && at[b - 1] > at[b]; b--) {

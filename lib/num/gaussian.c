@@ -5,13 +5,13 @@
 
 double skf_gaussian_span(double u0, double u1, double width) {
   const double c = 0.88622692545275801365; /* sqrt(pi) / 2 */
-  if (u0 < 0 && u1 > 0) return c * (erf(u1) + erf(-u0));
+  if (u0 < 0 && u1 > 0 && width > 1) return c * (erf(u1) + erf(-u0));
   if (u1 <= 0) {
     double t = -u0;
     u0 = -u1, u1 = t;
   }
   /* beyond this the difference loses less than two bits */
-  if (width * (u0 + u1) > 1) return c * (u0 < 0.5 ? erf(u1) - erf(u0) : erfc(u0) - erfc(u1));
+  if (u0 >= 0 && width * (u0 + u1) > 1) return c * (u0 < 0.5 ? erf(u1) - erf(u0) : erfc(u0) - erfc(u1));
   const skf_gauss_node *node = skf_gauss_rule(8);
   double mid = 0.5 * (u0 + u1), half = 0.5 * width, sum = 0;
   for (int i = 0; i < 8; i++) {
