@@ -2,6 +2,7 @@
 /* Enclosures of fields in balls. A decreasing envelope M(r) of the kernel is summed over shells around the ball's
    center: integral of M dmu <= sum_k M(r_k) (m(r_k+1) - m(r_k)), where m(r) is at least the measure within r. */
 #include "field/bound.h"
+#include "field/kernel.h"
 #include "core/vec3.h"
 
 /* By how much each shell is thicker than the last: quick, for tables, for regions. */
@@ -114,7 +115,9 @@ static skf_bound plane_bound(const skf_element *e, double near, double far) {
 skf_bound skf_element_bound(const skf_element *e, skf_vec3 center, double radius) {
   skf_bound b;
   double w = e->strength, tight = 1 - 1e-12, loose = 1 + 1e-12; /* rounding of the sums */
-  if (e->primitive.shape == SKF_PLANE) {
+  if (!skf_kernel_has_bound(e->kernel, e->primitive.shape)) {
+    b = (skf_bound){-INFINITY, INFINITY, INFINITY, INFINITY, INFINITY};
+  } else if (e->primitive.shape == SKF_PLANE) {
     double z = skf_primitive_distance(&e->primitive, center);
     b = plane_bound(e, fmax(z - radius, 0), z + radius);
     double slack = 1e-12 * (z + radius) * b.gradient;
@@ -172,6 +175,16 @@ double skf_element_beyond(const skf_element *e, skf_vec3 up, double height) {
   }
   m.h2 = m.near * m.near;
   return fmin(plain, shells(e->kernel, &m, 0, FINE).value * (1 + 1e-12));
+}
+
+bool skf_field_has_bound(const skf_field *field, size_t *element) {
+  for (size_t i = 0, n = skf_field_size(field); i < n; i++) {
+    const skf_element *e = skf_field_element(field, i);
+    if (skf_kernel_has_bound(e->kernel, e->primitive.shape)) continue;
+    if (element) *element = i;
+    return false;
+  }
+  return true;
 }
 
 skf_bound skf_field_bound(const skf_field *field, skf_vec3 center, double radius) {

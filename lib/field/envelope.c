@@ -91,7 +91,18 @@ static const struct row {
     [SKF_QUARTIC] = {quartic, 0.4472135954999579},
 };
 
-skf_envelope skf_kernel_envelope(skf_kernel k, double a) { return rows[k.type].of(k.param, fmax(a, 0)); }
+static skf_envelope of_user(skf_kernel k, double a) {
+  double d[4];
+  if (a >= skf_kernel_end(k)) return (skf_envelope){0, 0, 0, 0};
+  skf_envelope e = k.user->bound(k.user->user, a);
+  skf_kernel_eval(k, a * a, d);
+  e.value = a == 0 && k.user->singular ? INFINITY : d[0];
+  return e;
+}
+
+skf_envelope skf_kernel_envelope(skf_kernel k, double a) {
+  return k.type == SKF_USER_KERNEL ? of_user(k, fmax(a, 0)) : rows[k.type].of(k.param, fmax(a, 0));
+}
 
 skf_envelope skf_plane_envelope(skf_kernel k, double a) {
   a = fmax(a, 0);
@@ -121,19 +132,20 @@ skf_envelope skf_plane_envelope(skf_kernel k, double a) {
   case SKF_QUARTIC: /* F'''' R^2 = -2 pi (60 y - 12) */
     if (m <= 0) break;
     return (skf_envelope){SKF_PI * s2 * m * m * m / 3, slope, 2 * SKF_PI, 96 * SKF_PI / s2};
-  case SKF_KERNEL_COUNT: break;
+  default: break;
   }
   return (skf_envelope){0, 0, 0, 0};
 }
 
 bool skf_kernel_kinked(skf_kernel k, double a, double b) {
-  if (!skf_kernel_get(k.type)->compact) return false;
-  double R = k.param, slack = 1e-12 * R; /* distances come with rounding */
-  if (a <= R + slack && b >= R - slack) return true;
-  return k.type == SKF_METABALL && a <= R / 3 + slack && b >= R / 3 - slack;
+  double at[SKF_KERNEL_BREAKS];
+  for (int i = skf_kernel_breaks(k, at) - 1; i >= 0; i--)
+    if (a <= at[i] * (1 + 1e-12) && b >= at[i] * (1 - 1e-12)) return true; /* distances come with rounding */
+  return false;
 }
 
 double skf_kernel_width(skf_kernel k) {
+  if (k.type == SKF_USER_KERNEL) return k.user->width;
   const skf_kernel_info *info = skf_kernel_get(k.type);
   if (!info->param) return 0;
   return info->compact ? k.param : 1 / k.param;

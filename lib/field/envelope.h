@@ -5,14 +5,6 @@
 
 #include "skelfield/field.h"
 
-/* Suprema over all r >= a. */
-typedef struct skf_envelope {
-  double value;  /* of h */
-  double slope;  /* of |h'| */
-  double bend;   /* of max(|h''|, |h'| / r): the spectral norm of the Hessian of h(|p|) */
-  double fourth; /* of |d^4 h(|p|) / dt^4| along straight lines, where it exists */
-} skf_envelope;
-
 skf_envelope skf_kernel_envelope(skf_kernel kernel, double a);
 
 /* The same for an infinite plane of sources, whose field depends on the distance z alone: suprema over z >= a of F (for
@@ -22,7 +14,7 @@ skf_envelope skf_plane_envelope(skf_kernel kernel, double a);
 /* Whether a derivative of h up to the fourth jumps for some r in [a, b] (b = INFINITY is fine). */
 bool skf_kernel_kinked(skf_kernel kernel, double a, double b);
 
-/* Length over which h changes: 1/s, 1/a, R; 0 for the kernels without a scale. */
+/* Length over which h changes: 1/s, 1/a, R, a user's; 0 for the kernels without a scale. */
 double skf_kernel_width(skf_kernel kernel);
 
 #endif

@@ -14,9 +14,8 @@ struct skf_field {
 };
 
 static skf_status check(const skf_element *e) {
-  const skf_kernel_info *k = skf_kernel_get(e->kernel.type);
-  if (!k) return SKF_ERR_ARG;
-  if (k->param && !(e->kernel.param > 0 && isfinite(e->kernel.param))) return SKF_ERR_RANGE;
+  skf_status s = skf_kernel_check(e->kernel, e->primitive.shape);
+  if (s) return s;
   if (!isfinite(e->strength)) return SKF_ERR_RANGE;
   return skf_primitive_check(&e->primitive, NULL);
 }

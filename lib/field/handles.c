@@ -148,7 +148,8 @@ static const char *range(const skf_handles *g, skf_kernel_type type) {
 static skf_handles complete(skf_kernel k, double radius) {
   skf_handles g = {.radius = radius};
   double h[4];
-  if (!skf_kernel_get(k.type)->param) return g;
+  const skf_kernel_info *info = skf_kernel_get(k.type);
+  if (!info || !info->param) return g; /* users' kernels: the radius alone */
   g.influence = depth(k.type) * skf_kernel_width(k);
   skf_kernel_eval(k, radius * radius, h);
   if (radius > 0 && h[0] > 0) g.blobbiness = radius * radius * h[1] / h[0];

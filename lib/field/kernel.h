@@ -48,7 +48,24 @@ typedef struct skf_kernel_ops {
 
 extern const skf_kernel_ops skf_kernel_cauchy, skf_kernel_gaussian, skf_kernel_inverse, skf_kernel_inverse_squared,
     skf_kernel_metaball, skf_kernel_soft_object, skf_kernel_quartic;
+/* Of users' kernels; no `eval`, and what it tells of them is told by the functions below. */
+extern const skf_kernel_ops skf_kernel_user;
 
+/* The row of a registered kernel, or the users'. */
 const skf_kernel_ops *skf_kernel_row(skf_kernel_type type);
+
+/* What holds for any kernel: whether h(0) is infinite, where h ends (INFINITY: nowhere). */
+bool skf_kernel_singular(skf_kernel k);
+double skf_kernel_end(skf_kernel k);
+/* A length below which a user's kernel does not change; 0 where that is not known. */
+double skf_kernel_grain(skf_kernel k);
+/* The radii at which it is not smooth, its end among them; returns their number. */
+enum { SKF_KERNEL_BREAKS = SKF_USER_BREAKS + 1 };
+int skf_kernel_breaks(skf_kernel k, double radii[SKF_KERNEL_BREAKS]);
+
+/* SKF_OK, SKF_ERR_ARG, SKF_ERR_RANGE, or SKF_ERR_UNSUPPORTED for a kernel that cannot be integrated over the shape. */
+skf_status skf_kernel_check(skf_kernel k, skf_shape shape);
+/* Whether envelopes of the pair are known. */
+bool skf_kernel_has_bound(skf_kernel k, skf_shape shape);
 
 #endif

@@ -11,12 +11,11 @@ static const skf_kernel_ops *const registry[SKF_KERNEL_COUNT] = {
 };
 
 const skf_kernel_ops *skf_kernel_row(skf_kernel_type type) {
-  return (unsigned)type < SKF_KERNEL_COUNT ? registry[type] : NULL;
+  return (unsigned)type < SKF_KERNEL_COUNT ? registry[type] : type == SKF_USER_KERNEL ? &skf_kernel_user : NULL;
 }
 
 const skf_kernel_info *skf_kernel_get(skf_kernel_type type) {
-  const skf_kernel_ops *row = skf_kernel_row(type);
-  return row ? &row->info : NULL;
+  return (unsigned)type < SKF_KERNEL_COUNT ? &registry[type]->info : NULL;
 }
 
 skf_kernel_type skf_kernel_find(const char *name) {
@@ -25,8 +24,23 @@ skf_kernel_type skf_kernel_find(const char *name) {
   return (skf_kernel_type)k;
 }
 
-void skf_kernel_eval(skf_kernel kernel, double r2, double d[4]) {
-  skf_kernel_row(kernel.type)->eval(kernel.param, r2, d);
+bool skf_kernel_singular(skf_kernel k) {
+  return k.type == SKF_USER_KERNEL ? k.user->singular : registry[k.type]->info.singular;
+}
+
+double skf_kernel_end(skf_kernel k) {
+  if (k.type == SKF_USER_KERNEL) return k.user->radius > 0 ? k.user->radius : INFINITY;
+  return registry[k.type]->info.compact ? k.param : INFINITY;
+}
+
+int skf_kernel_breaks(skf_kernel k, double radii[SKF_KERNEL_BREAKS]) {
+  int n = 0;
+  if (k.type == SKF_USER_KERNEL)
+    for (; n < k.user->break_count; n++) radii[n] = k.user->breaks[n];
+  else if (k.type == SKF_METABALL)
+    radii[n++] = k.param / 3;
+  if (skf_kernel_end(k) < INFINITY) radii[n++] = skf_kernel_end(k);
+  return n;
 }
 
 void skf_element_value(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {

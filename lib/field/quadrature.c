@@ -88,7 +88,7 @@ int skf_breaks(double lo, double hi, int n, double *breaks) {
 
 void skf_integrand_set(const skf_prepared *e, skf_vec3 r, double r2, double scale, double out[SIZE]) {
   double d[4];
-  skf_kernel_row(e->kernel.type)->eval(e->kernel.param, r2, d);
+  skf_kernel_eval(e->kernel, r2, d);
   double g = 2 * scale * d[1], k = 4 * scale * d[2];
   out[0] = scale * d[0];
   out[1] = g * r.x, out[2] = g * r.y, out[3] = g * r.z;
@@ -111,15 +111,15 @@ static void line_at(const void *context, double u, double out[SIZE]) {
 
 void skf_quadrature_line(const skf_prepared *e, skf_vec3 w, skf_vec3 a, double h2, double lo, double hi,
                          double out[SIZE]) {
-  double nearest = lo > 0 ? lo : hi < 0 ? -hi : 0, far = fmax(fabs(lo), fabs(hi)), R = e->kernel.param;
+  double nearest = lo > 0 ? lo : hi < 0 ? -hi : 0, far = fmax(fabs(lo), fabs(hi));
   line c = {e, w, a, h2, fmax(fmax(sqrt(h2), 1e-3 * nearest), 1e-15 * far)};
-  double breaks[7] = {0};
+  c.delta = fmax(c.delta, fmin(skf_kernel_grain(e->kernel), far));
+  double breaks[2 * SKF_KERNEL_BREAKS + 3] = {0}, radii[SKF_KERNEL_BREAKS];
   int n = 1;
-  if (skf_kernel_row(e->kernel.type)->info.compact)
-    for (int i = 0; i < 2; i++) {
-      double s = i ? R / 3 : R, t = (s - sqrt(h2)) * (s + sqrt(h2));
-      if (t > 0) breaks[n++] = asinh(sqrt(t) / c.delta), breaks[n] = -breaks[n - 1], n++;
-    }
+  for (int i = skf_kernel_breaks(e->kernel, radii) - 1; i >= 0; i--) {
+    double s = radii[i], t = (s - sqrt(h2)) * (s + sqrt(h2));
+    if (t > 0) breaks[n++] = asinh(sqrt(t) / c.delta), breaks[n] = -breaks[n - 1], n++;
+  }
   n = skf_breaks(asinh(lo / c.delta), asinh(hi / c.delta), n, breaks);
   skf_integrate(&(skf_integrand){line_at, &c}, n, breaks, out);
 }
@@ -144,15 +144,15 @@ static void circle_at(const void *context, double u, double out[SIZE]) {
 static void quarter(const skf_prepared *e, const skf_arc_frame *f, double lo, double hi, double sign,
                     double out[SIZE]) {
   if (!(lo < hi)) return;
-  double width = f->spread > f->alpha ? sqrt(f->alpha / f->spread) : 1, R = e->kernel.param;
+  double width = f->spread > f->alpha ? sqrt(f->alpha / f->spread) : 1;
   circle c = {e, f, fmax(fmax(width, 1e-3 * lo), 1e-15 * hi), sign};
-  double breaks[4];
+  c.delta = fmax(c.delta, fmin(skf_kernel_grain(e->kernel) / (2 * f->rho), 1));
+  double breaks[SKF_KERNEL_BREAKS + 2], radii[SKF_KERNEL_BREAKS];
   int n = 0;
-  if (skf_kernel_row(e->kernel.type)->info.compact)
-    for (int i = 0; i < 2; i++) {
-      double s = i ? R / 3 : R, in = (s - f->da) * (s + f->da), beyond = (f->db - s) * (f->db + s);
-      if (in > 0 && beyond > 0) breaks[n++] = asinh(atan2(sqrt(in), sqrt(beyond)) / c.delta);
-    }
+  for (int i = skf_kernel_breaks(e->kernel, radii) - 1; i >= 0; i--) {
+    double s = radii[i], in = (s - f->da) * (s + f->da), beyond = (f->db - s) * (f->db + s);
+    if (in > 0 && beyond > 0) breaks[n++] = asinh(atan2(sqrt(in), sqrt(beyond)) / c.delta);
+  }
   n = skf_breaks(asinh(lo / c.delta), asinh(hi / c.delta), n, breaks);
   skf_integrate(&(skf_integrand){circle_at, &c}, n, breaks, out);
 }
@@ -162,8 +162,7 @@ static bool arc(const skf_prepared *e, skf_vec3 x, double out[SIZE]) {
   skf_arc_place(e, x, &f);
   double lo = -0.5 * atan2(f.uy, f.ux), hi = lo + e->plan.arc.half, q = SKF_PI / 2;
   if (f.full) lo = -q, hi = q;
-  if (f.alpha == 0 && ((lo <= 0 && hi >= 0) || hi >= 2 * q) && skf_kernel_row(e->kernel.type)->info.singular)
-    return false;
+  if (f.alpha == 0 && ((lo <= 0 && hi >= 0) || hi >= 2 * q) && skf_kernel_singular(e->kernel)) return false;
   quarter(e, &f, fmax(0, -hi), fmin(q, -lo), -1, out); /* -pi/2 .. 0 */
   quarter(e, &f, fmax(0, lo), fmin(q, hi), 1, out);
   quarter(e, &f, fmax(0, 2 * q - hi), fmin(q, 2 * q - lo), -1, out); /* pi/2 .. pi */
@@ -174,7 +173,7 @@ static bool arc(const skf_prepared *e, skf_vec3 x, double out[SIZE]) {
 static bool segment(const skf_prepared *e, skf_vec3 x, double out[SIZE]) {
   skf_segment_frame f;
   skf_segment_place(e, x, &f);
-  if (f.h == 0 && f.t0 <= 0 && f.t1 >= 0 && skf_kernel_row(e->kernel.type)->info.singular) return false;
+  if (f.h == 0 && f.t0 <= 0 && f.t1 >= 0 && skf_kernel_singular(e->kernel)) return false;
   skf_quadrature_line(e, f.w, f.a, f.h2, f.t0, f.t1, out);
   return true;
 }
@@ -182,7 +181,7 @@ static bool segment(const skf_prepared *e, skf_vec3 x, double out[SIZE]) {
 static bool point(const skf_prepared *e, skf_vec3 x, double out[SIZE]) {
   double w;
   skf_dd3 d = skf_point_delta(e, x, &w);
-  if (w == 0 && skf_kernel_row(e->kernel.type)->info.singular) return false;
+  if (w == 0 && skf_kernel_singular(e->kernel)) return false;
   skf_integrand_set(e, dd3_round(d), w, 1, out);
   return true;
 }

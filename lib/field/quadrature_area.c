@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Triangles as a stack of segments, planes in polar coordinates. */
 #include "field/quadrature.h"
+#include "field/envelope.h"
 #include "field/simple.h"
 
 enum { SIZE = SKF_QUADRATURE_SIZE };
@@ -37,10 +38,9 @@ static int crossings(double ua, double ya, double ub, double yb, double rho2, do
 static int stack_breaks(const stack *c, double *y) {
   int n = 0;
   y[n++] = 0;
-  double R = c->e->kernel.param, end = c->u0 + c->length;
-  if (!skf_kernel_row(c->e->kernel.type)->info.compact) return n;
-  for (int i = 0; i < 2; i++) {
-    double s = i ? R / 3 : R, rho2 = s * s - c->z2;
+  double end = c->u0 + c->length, radii[SKF_KERNEL_BREAKS];
+  for (int i = skf_kernel_breaks(c->e->kernel, radii) - 1; i >= 0; i--) {
+    double s = radii[i], rho2 = s * s - c->z2;
     if (rho2 <= 0) continue;
     y[n++] = sqrt(rho2), y[n++] = -sqrt(rho2);
     n += crossings(c->u0, c->y0, c->uc, c->yc, rho2, y + n);
@@ -66,15 +66,15 @@ void skf_quadrature_triangle(const skf_prepared *e, skf_vec3 x, double out[SIZE]
   c.y0 = v3_dot(A, c.m);
   c.uc = v3_dot(C, c.u);
   c.yc = v3_dot(C, c.m);
-  if (skf_kernel_row(e->kernel.type)->info.singular && skf_primitive_distance(&e->primitive, x) == 0 &&
+  if (skf_kernel_singular(e->kernel) && skf_primitive_distance(&e->primitive, x) == 0 &&
       e->kernel.type != SKF_INVERSE) {
     out[0] = INFINITY;
     return;
   }
   c.near = fmin(fmax(0, c.y0), c.yc);
   double width = c.yc - c.y0;
-  c.delta = fmin(fmax(fabs(z), 1e-12 * width), width);
-  double y[16];
+  c.delta = fmin(fmax(fmax(fabs(z), 1e-12 * width), skf_kernel_grain(e->kernel)), width);
+  double y[6 * SKF_KERNEL_BREAKS + 3];
   int count = stack_breaks(&c, y);
   for (int i = 0; i < count; i++) y[i] = asinh((y[i] - c.near) / c.delta);
   count = skf_breaks(asinh((c.y0 - c.near) / c.delta), asinh((c.yc - c.near) / c.delta), count, y);
@@ -90,7 +90,7 @@ typedef struct rings {
 static void ring_at(const void *context, double u, double out[SIZE]) {
   const rings *c = context;
   double rho = c->delta * sinh(u), w = 2 * SKF_PI * rho * c->delta * cosh(u), d[4];
-  skf_kernel_row(c->e->kernel.type)->eval(c->e->kernel.param, c->z * c->z + rho * rho, d);
+  skf_kernel_eval(c->e->kernel, c->z * c->z + rho * rho, d);
   for (int k = 0; k < SIZE; k++) out[k] = 0;
   out[0] = w * d[0];
   out[1] = w * 2 * d[1] * c->z;
@@ -103,24 +103,27 @@ static double reference(skf_kernel_type type, double a) {
 }
 
 void skf_quadrature_plane(const skf_prepared *e, skf_vec3 x, double out[SIZE]) {
-  double z = skf_plane_height(e, x), R = e->kernel.param, breaks[4], end = 45; /* sinh 45 is 1e19 */
-  const skf_kernel_info *info = &skf_kernel_row(e->kernel.type)->info;
-  rings c = {e, z, info->compact ? R : info->singular ? fabs(z) : fmax(fabs(z), 1 / R)};
+  double z = skf_plane_height(e, x), R = skf_kernel_end(e->kernel), breaks[SKF_KERNEL_BREAKS + 2];
+  double end = 45, radii[SKF_KERNEL_BREAKS]; /* sinh 45 is 1e19 */
+  bool compact = R < INFINITY, singular = skf_kernel_singular(e->kernel), user = e->kernel.type == SKF_USER_KERNEL;
+  rings c = {e, z, compact ? R : singular ? fabs(z) : fmax(fabs(z), skf_kernel_width(e->kernel))};
   int n = 0;
-  if (info->singular && z == 0) {
+  if (singular && z == 0) {
     out[0] = e->kernel.type == SKF_INVERSE ? 0 : INFINITY;
     return;
   }
-  if (info->compact) {
-    if (fabs(z) >= R) return;
+  if (compact && fabs(z) >= R) return;
+  if (compact)
     end = asinh(sqrt((R - z) * (R + z)) / R);
-    if (3 * fabs(z) < R) breaks[n++] = asinh(sqrt((R / 3 - z) * (R / 3 + z)) / R);
-  }
+  else if (user) /* what is beyond falls like exp(-(decay - 2) u) */
+    end = 37 / fmin(e->kernel.user->decay - 2, 0.8);
+  for (int i = skf_kernel_breaks(e->kernel, radii) - 1; i >= 0; i--)
+    if (radii[i] > fabs(z)) breaks[n++] = asinh(sqrt((radii[i] - z) * (radii[i] + z)) / c.delta);
   n = skf_breaks(0, end, n, breaks);
   double y[SIZE] = {0};
   skf_integrate(&(skf_integrand){ring_at, &c}, n, breaks, y);
   skf_value v = {.F = 0};
-  skf_plane_result(e, info->singular ? reference(e->kernel.type, fabs(z)) : y[0], y[1], y[4], 2, &v);
+  skf_plane_result(e, singular && !user ? reference(e->kernel.type, fabs(z)) : y[0], y[1], y[4], 2, &v);
   out[0] = v.F, out[1] = v.g.x, out[2] = v.g.y, out[3] = v.g.z;
   for (int k = 0; k < 6; k++) out[4 + k] = v.h[k];
 }

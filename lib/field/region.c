@@ -96,6 +96,7 @@ skf_status skf_field_region(const skf_field *field, double iso, skf_box *out) {
   double sup = 0, scale = 0;
   bool plane = false;
   if (isnan(iso)) return SKF_ERR_ARG;
+  if (!skf_field_has_bound(field, NULL)) return SKF_ERR_UNSUPPORTED;
   if (!(iso > 0)) return SKF_ERR_UNBOUNDED;
   for (size_t k = 0; k < n; k++) {
     const skf_element *e = skf_field_element(field, k);

@@ -101,6 +101,7 @@ skf_status skf_flight_new(const skf_world *world, const skf_flight_options *opti
   if (o.max_step == 0) o.max_step = INFINITY;
   const skf_integrator_ops *ops = skf_integrator_row(o.integrator);
   if (!ops || !sound(&o)) return SKF_ERR_ARG;
+  if (o.contact != SKF_CONTACT_NONE && !skf_world_has_bound(world)) return SKF_ERR_UNSUPPORTED;
   if (!isfinite(start->t) || !v3_finite(start->position) || !v3_finite(start->velocity)) return SKF_ERR_RANGE;
   skf_flight *f = skf_alloc(1, sizeof *f);
   if (f) f->work = skf_alloc(1, ops->work_size);

@@ -9,6 +9,7 @@
 #define GAUSSIAN_REACH 27.3
 
 static double support(const skf_kernel *k) {
+  if (k->type == SKF_USER_KERNEL) return k->user->radius > 0 ? k->user->radius : INFINITY;
   if (skf_kernel_get(k->type)->compact) return k->param;
   return k->type == SKF_GAUSSIAN ? GAUSSIAN_REACH / k->param : INFINITY;
 }
@@ -84,6 +85,12 @@ void skf_world_free(skf_world *w) {
 }
 
 size_t skf_world_size(const skf_world *w) { return w->n; }
+
+bool skf_world_has_bound(const skf_world *w) {
+  size_t i = 0;
+  while (i < w->n && skf_field_has_bound(w->bodies[i].is.field, NULL)) i++;
+  return i == w->n;
+}
 
 skf_turn skf_turn_at(const skf_world_body *b, skf_clock t) {
   if (b->rate == 0) return (skf_turn){.c = 1};

@@ -41,6 +41,9 @@ skf_turn skf_turn_at(const skf_world_body *b, skf_clock t);
 skf_vec3 skf_turn_vector(const skf_turn *r, double sign, skf_vec3 v);
 skf_vec3 skf_turn_point(const skf_turn *r, double sign, skf_vec3 p);
 
+/* Whether every body's field has bounds, which contact needs. */
+bool skf_world_has_bound(const skf_world *world);
+
 /* Acceleration of a particle; *noise bounds its rounding error from above, roughly. False when not finite. */
 bool skf_world_force(const skf_world *world, skf_clock t, skf_vec3 p, skf_vec3 *a, double *noise);
 /* Potential energy per unit mass, and the sum of its terms' magnitudes. */

@@ -2,6 +2,7 @@
 /* Cameras: rays, projection, and one that frames what there is. */
 #include "ray/render.h"
 #include "core/alloc.h"
+#include "field/envelope.h"
 
 skf_status skf_view_make(const skf_camera *c, double aspect, skf_view *out) {
   skf_vec3 way = v3_sub(c->to, c->from);
@@ -42,8 +43,7 @@ static skf_box skeleton_box(const skf_field *field) {
     skf_box b = skf_primitive_bounds(&e->primitive);
     if (e->primitive.shape == SKF_PLANE) b = (skf_box){e->primitive.plane.through, e->primitive.plane.through};
     all = box_join(all, b);
-    const skf_kernel_info *k = skf_kernel_get(e->kernel.type);
-    if (k->param) length = fmax(length, k->compact ? e->kernel.param : 1 / e->kernel.param);
+    length = fmax(length, skf_kernel_width(e->kernel));
   }
   double size = fmax(fmax(box_diagonal(all), length), 0);
   return box_grow(all, size > 0 ? size : 1);

@@ -8,7 +8,8 @@ typedef struct range {
 } range;
 
 static bool is_drifting(const skf_source *s) {
-  return s->element.primitive.shape == SKF_PLANE && skf_kernel_get(s->element.kernel.type)->singular;
+  return s->element.primitive.shape == SKF_PLANE &&
+         skf_kernel_get(s->element.kernel.type)->singular; /* users' kernels have no planes here */
 }
 
 /* Planes of the singular kernels: sum of -2 pi w |z| and -2 pi w ln |z|. Encloses it beyond t. */
@@ -65,6 +66,7 @@ static bool leading_sign(const skf_walk *w, double t) {
   int slowest = 0;
   range c = {0, 0};
   for (size_t i = 0; i < w->tracer->n; i++) {
+    if (w->tracer->sources[i].element.kernel.type == SKF_USER_KERNEL) return false; /* its law is not known */
     int k = powers[w->tracer->sources[i].element.kernel.type];
     if (k && (!slowest || k < slowest)) slowest = k;
   }

@@ -71,6 +71,7 @@ static skf_status fill(skf_tracer *t) {
 skf_status skf_tracer_new(const skf_field *field, double iso, skf_tracer **out) {
   *out = NULL;
   if (!isfinite(iso)) return SKF_ERR_ARG;
+  if (!skf_field_has_bound(field, NULL)) return SKF_ERR_UNSUPPORTED;
   skf_tracer *t = skf_alloc(1, sizeof *t);
   if (!t) return SKF_ERR_NOMEM;
   t->field = field, t->iso = iso, t->noise = 2 * DBL_EPSILON;

@@ -17,13 +17,17 @@ typedef enum skf_kernel_type {
   SKF_METABALL,
   SKF_SOFT_OBJECT,
   SKF_QUARTIC,
-  SKF_KERNEL_COUNT
+  SKF_KERNEL_COUNT,
+  SKF_USER_KERNEL /* none of the registry: the caller's own */
 } skf_kernel_type;
 
-/* A kernel with its parameter: s or a [1/L], R [L]; ignored by inverse and inverse-squared. */
+typedef struct skf_user_kernel skf_user_kernel;
+
+/* A kernel with its parameter: s or a [1/L], R [L]; ignored by inverse, inverse-squared and users' kernels. */
 typedef struct skf_kernel {
   skf_kernel_type type;
   double param;
+  const skf_user_kernel *user; /* of SKF_USER_KERNEL, ignored by the others */
 } skf_kernel;
 
 /* A registered kernel. */
@@ -41,6 +45,58 @@ SKF_API skf_kernel_type skf_kernel_find(const char *name);
 /* h(r) and its derivatives with respect to w = r^2, up to the third: d[0] = h, d[1] = dh/dw, ... */
 SKF_API void skf_kernel_eval(skf_kernel kernel, double r2, double d[4]);
 
+/* Suprema over all r >= a of a kernel and its derivatives. */
+typedef struct skf_envelope {
+  double value;  /* of h */
+  double slope;  /* of |h'| = |dh/dr| */
+  double bend;   /* of max(|h''|, |h'| / r): the spectral norm of the Hessian of h(|p|) */
+  double fourth; /* of |d^4 h(|p|) / dt^4| along straight lines, where it exists: with w = r^2 and x = t^2 <= w that is
+                    12 h_ww + 48 x h_www + 16 x^2 h_wwww */
+} skf_envelope;
+
+enum { SKF_USER_BREAKS = 8 };
+
+/* A kernel of the caller's own, for elements with {.type = SKF_USER_KERNEL, .user = &this}. It and what it points to
+   stay with the caller, unchanged, for as long as fields that use it live; the callbacks run on several threads at
+   once.
+
+   Points are evaluated directly; segments, arcs, triangles and planes by adaptive quadrature: F, gradient and Hessian
+   to a relative error of 1e-10, as tests/field/test_user_kernel.c checks (which finds 1e-13 on the kernels of the
+   registry); a curve or plane takes 10 to 300 us a point, a triangle 1 to 50 ms. A plane needs a kernel with a finite
+   radius or that decays fast enough, else skf_field_new answers SKF_ERR_UNSUPPORTED.
+
+   Without `bound` a field only evaluates. skf_field_bound then answers with infinite bounds, and what would have to
+   guess is refused with SKF_ERR_UNSUPPORTED: regions, tracers, meshes and contact (skf_field_has_bound tells
+   beforehand); so are planes of users' kernels, always. With `bound` they all work, as certain as `bound` is true.
+
+   A Plummer sphere of core b, 1 / sqrt(r^2 + b^2):
+
+     static void plummer(const void *user, double r2, double d[4]) {
+       double b = *(const double *)user, w = r2 + b * b, h = 1 / sqrt(w);
+       d[0] = h, d[1] = -h / (2 * w), d[2] = 3 * h / (4 * w * w), d[3] = -15 * h / (8 * w * w * w);
+     }
+     static const double core = 0.1;
+     static const skf_user_kernel kernel = {.name = "plummer", .eval = plummer, .user = &core, .width = 0.1,
+                                            .decay = 1}; */
+struct skf_user_kernel {
+  const char *name;
+  /* h and its derivatives with respect to w = r^2 as of skf_kernel_eval, for every finite r2 >= 0; not asked for
+     r >= radius. Returns the same for the same r2, always. */
+  void (*eval)(const void *user, double r2, double d[4]);
+  const void *user; /* handed to the callbacks */
+  double width;     /* > 0: length over which h changes near r = 0 [L]; wrong by a factor of 10 it costs time only */
+  double radius;    /* h = 0 for r >= radius [L]; 0: it has no end */
+  double decay;     /* |h| falls at least like r^-decay for large r; planes need a radius, or at least 2.125 */
+  bool singular;    /* infinite at r = 0: then F = +infinity and g = 0 on the primitive itself */
+  /* Radii > 0 [L], ascending, where h or one of its first four derivatives jumps, or where it has features that are
+     much narrower than the distance from r = 0; the quadrature starts from them. At most SKF_USER_BREAKS. */
+  int break_count;
+  const double *breaks;
+  /* NULL, or suprema over r >= a >= 0, not below the truth, infinite where that is. Only for kernels with h >= 0 that
+     do not rise with r (write others as the difference of two elements). `value` is ignored: it is h(a). */
+  skf_envelope (*bound)(const void *user, double a);
+};
+
 /* One primitive with its kernel and strength w (any sign, not 0 or non-finite). */
 typedef struct skf_element {
   skf_primitive primitive;
@@ -51,8 +107,8 @@ typedef struct skf_element {
 /* A field that is ready to be evaluated: immutable, safe to share between threads. */
 typedef struct skf_field skf_field;
 
-/* Copies the elements. SKF_ERR_ARG, SKF_ERR_RANGE, SKF_ERR_DEGENERATE or SKF_ERR_NOMEM on failure; n = 0 is the zero
-   field. */
+/* Copies the elements. SKF_ERR_ARG, SKF_ERR_RANGE, SKF_ERR_DEGENERATE, SKF_ERR_UNSUPPORTED (a user's kernel that cannot
+   be integrated over a plane) or SKF_ERR_NOMEM on failure; n = 0 is the zero field. */
 SKF_API skf_status skf_field_new(const skf_element *elements, size_t n, skf_field **out);
 SKF_API void skf_field_free(skf_field *field);
 
@@ -85,6 +141,9 @@ typedef struct skf_pair_info {
 
 SKF_API skf_pair_info skf_pair_get(skf_kernel_type kernel, skf_shape shape);
 
+/* Whether every element has bounds: users' kernels may have none. Else *element, if given, is the first without. */
+SKF_API bool skf_field_has_bound(const skf_field *field, size_t *element);
+
 /* Enclosure of the field in the ball |p - center| <= radius. Every bound is rigorous up to rounding, none is tight. */
 typedef struct skf_bound {
   double lo, hi;   /* of F */
@@ -96,7 +155,7 @@ typedef struct skf_bound {
 SKF_API skf_bound skf_field_bound(const skf_field *field, skf_vec3 center, double radius);
 
 /* A box outside of which F < iso everywhere; SKF_ERR_UNBOUNDED when there is none (a plane, iso <= 0), SKF_ERR_EMPTY
-   when F < iso everywhere. */
+   when F < iso everywhere; SKF_ERR_UNSUPPORTED when an element has no bounds. */
 SKF_API skf_status skf_field_region(const skf_field *field, double iso, skf_box *out);
 
 #ifdef __cplusplus

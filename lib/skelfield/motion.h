@@ -127,7 +127,8 @@ typedef struct skf_flight_report {
 
 typedef struct skf_flight skf_flight;
 
-/* SKF_ERR_ARG for an unknown integrator or options out of range, SKF_ERR_RANGE for a start that is not finite. */
+/* SKF_ERR_ARG for an unknown integrator or options out of range, SKF_ERR_RANGE for a start that is not finite,
+   SKF_ERR_UNSUPPORTED for contact where a body's field has no bounds (skf_field_has_bound). */
 SKF_API skf_status skf_flight_new(const skf_world *world, const skf_flight_options *options, const skf_state *start,
                                   skf_flight **out);
 SKF_API void skf_flight_free(skf_flight *flight);
