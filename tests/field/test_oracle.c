@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: MIT */
+/* Every pair, by region, against fields integrated numerically with 113 bits: one point at a time and in a batch. */
+#include "check.h"
+#include "field/cases.h"
+
+enum { ROUNDS = 24, BATCH = 5 };
+
+/* The place among others close to it. */
+static field_result in_batch(const skf_field *f, skf_vec3 x) {
+  double p[3][BATCH], F[BATCH], g[3][BATCH], h[6][BATCH];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < BATCH; j++) p[i][j] = v3_get(x, i) * (j == 2 ? 1 : 1 + 1e-3 * j);
+  const double *const in[3] = {p[0], p[1], p[2]};
+  double *const out[3] = {g[0], g[1], g[2]}, *const out6[6] = {h[0], h[1], h[2], h[3], h[4], h[5]};
+  assert_int_equal(skf_field_eval(f, BATCH, in, F, out, out6), SKF_OK);
+  field_result r = {.F = F[2]};
+  for (int i = 0; i < 3; i++) r.g[i] = g[i][2];
+  for (int i = 0; i < 6; i++) r.h[i] = h[i][2];
+  return r;
+}
+
+static field_result alone(const skf_field *f, skf_vec3 x) {
+  skf_vec3 g;
+  field_result r;
+  r.F = skf_field_tensor_at(f, x, &g, r.h);
+  for (int i = 0; i < 3; i++) r.g[i] = v3_get(g, i);
+  return r;
+}
+
+static bool within(field_error e, field_error limit) { return e.F <= limit.F && e.g <= limit.g && e.h <= limit.h; }
+
+static field_error larger(field_error a, field_error b) {
+  return (field_error){fmax(a.F, b.F), fmax(a.g, b.g), fmax(a.h, b.h)};
+}
+
+/* Counts a case; false when it misses what it must reach. */
+static bool check_case(const field_case *c, field_error *worst, int *limited) {
+  const field_error target = {1e-12, 1e-11, 1e-10};
+  skf_field *f;
+  assert_int_equal(skf_field_new(&c->element, 1, &f), SKF_OK);
+  oracle_value want = oracle(&c->element, c->x);
+  field_result one = alone(f, c->x), many = in_batch(f, c->x);
+  skf_field_free(f);
+  if (!(fabsq(want.F) > 1e-280Q)) return true;
+  field_error e = larger(case_error(c, &want, &one), case_error(c, &want, &many));
+  if (within(e, target)) {
+    *worst = larger(*worst, e);
+    return true;
+  }
+  ++*limited;
+  field_error moves = case_moves(c, &want);
+  if (within(e, larger(target, moves))) return true;
+  print_message("F off by %.2g, gradient %.2g, Hessian %.2g; eight ulps move them by %.2g, %.2g, %.2g\n", e.F, e.g, e.h,
+                moves.F, moves.g, moves.h);
+  return false;
+}
+
+static void test_pairs(void **state) {
+  (void)state;
+  uint64_t seed = 31;
+  for (int k = 0; k < SKF_KERNEL_COUNT; k++)
+    for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
+      field_error worst = {0, 0, 0};
+      int seen = 0, limited = 0, failed = 0;
+      for (int i = 0; i < ROUNDS * CASE_REGIONS; i++) {
+        field_case c;
+        uint64_t start = seed;
+        if (!case_draw(&seed, (skf_kernel_type)k, (skf_shape)s, (case_region)(i % CASE_REGIONS), &c)) continue;
+        seen++;
+        if (check_case(&c, &worst, &limited)) continue;
+        failed++;
+        print_message("^ %s, seed %#llx\n", case_region_name[i % CASE_REGIONS], (unsigned long long)start);
+      }
+      print_message("%-16s %-9s F %.1e  gradient %.1e  Hessian %.1e  (%d places, %d limited by conditioning)\n",
+                    skf_kernel_get((skf_kernel_type)k)->name, skf_shape_get((skf_shape)s)->name, worst.F, worst.g,
+                    worst.h, seen, limited);
+      assert_true(seen > ROUNDS);
+      assert_true(limited < seen / 3);
+      assert_int_equal(failed, 0);
+    }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_pairs)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
