@@ -5,17 +5,18 @@
 //
 // Every kernel on every primitive has a closed form or an expansion with a bound, for the field, its gradient and its
 // Hessian. This notebook measures all of them in this build, on the machine that runs it: the error against an oracle
-// that shares no formula with the library, region by region, and the time of an evaluation. The places are drawn with a
-// fixed seed. What is claimed is required: when a pair misses its target, the notebook fails.
+// that shares nothing but the divergence theorem with the library, region by region, and the time of an evaluation. The
+// places are drawn with a fixed seed. What is claimed is required: when a pair misses its target, the notebook fails.
 //
 // The oracle (`tests/field/oracle.h`) integrates the kernel and its derivatives over the primitive with 113-bit numbers
 // and Gauss rules that are graded towards every singularity. It takes a millisecond for each place, and it agrees with
 // independent 40-digit values to the last digit of a double.
 //
 // Errors are relative: of F to |F|, of the gradient to the larger of |∇F| and |F| / L, of the Hessian to the larger of
-// its norm and |F| / L², with L the larger of the primitive's size and its distance. Where eight units in the last place
-// of the point's own coordinates (or two of π in an arc's sweep) move the field by more than the target, no formula can
-// do better, and that movement is the target: such places are counted, and they are left out of the worst errors.
+// its norm and |F| / L², with L the larger of the primitive's size and its distance. Where eight units in the last
+// place of the point's own coordinates (or two of π in an arc's sweep) move the field by more than the target, no
+// formula can do better, and that movement is the target: such places are counted, and they are left out of the worst
+// errors.
 
 // %%
 #include "field/cases.h"
@@ -66,8 +67,8 @@ void measure(const field_case *c, case_region r, pair_errors *to) {
   }
   to->limited++;
   if (!within(e, larger(target, case_moves(c, &want))))
-    nb_fail("%s %s %s: errors %.1e %.1e %.1e", kernel_name(c->element.kernel.type), shape_name(c->element.primitive.shape),
-            case_region_name[r], e.F, e.g, e.h);
+    nb_fail("%s %s %s: errors %.1e %.1e %.1e", kernel_name(c->element.kernel.type),
+            shape_name(c->element.primitive.shape), case_region_name[r], e.F, e.g, e.h);
 }
 
 // %%
@@ -250,9 +251,9 @@ for (int i = 0; i < 4; i++) {
 // ## How long an evaluation takes
 //
 // Nanoseconds for F with its gradient, on one core, at 2000 places in a box of four sizes around a primitive of size 1
-// with a kernel as wide as it: the closed form at one point after the other, and a batch in vectors, where the processor
-// has AVX2. Also F, gradient and Hessian at one point. Smallest of several interleaved runs, in this process's own
-// processor time; a busy machine still makes figures of ten per cent more.
+// with a kernel as wide as it: the closed form at one point after the other, and a batch in vectors, where the
+// processor has AVX2. Also F, gradient and Hessian at one point. Smallest of several interleaved runs, in this
+// process's own processor time; a busy machine still makes figures of ten per cent more.
 
 // %%
 enum { POINTS = 2000, RUNS = 9 };
@@ -384,11 +385,24 @@ for (int k = 0; k < SKF_KERNEL_COUNT; k++) {
 //
 // Recorded on one machine (AMD EPYC, Zen 3, two cores, AVX2, glibc 2.36, gcc 12), not measured by this notebook; the
 // benchmarks of `meson test --benchmark` measure ours beside glibc's and SLEEF's vector functions in one run.
-//
-// | who | what | figure | from |
-// | --- | --- | --- | --- |
-// | esa/polyhedral-gravity-model 3.3.1 | potential, acceleration and tensor of a polyhedron, per point and face | 446 to 562 ns, median 540 ns | own timing of its release build, Eros with 14 744 faces, 2026 |
-// | glibc's vector functions (libmvec) | the straightforward formula of each pair, AVX2 | 1.2 to 1.9 times as fast as SLEEF's | own timing, 2026 |
-// | KEMField (KATRIN) | charged wires, closed form near, 16 nodes beyond 2 lengths, 4 beyond 27.7 | as exact as here where it switches, see above | its source |
-// | magpylib | closed forms of magnets | "12-14 significant figures where needed" asked for by its users | its issue 374 |
-// | fatiando/choclo | prisms: the logarithm cancels, NaN at corners | repaired case by case | its pull requests 27, 30 |
+
+// %%
+const char *const peers[][4] = {
+    {"who", "what", "figure", "from"},
+    {"---", "---", "---", "---"},
+    {"esa/polyhedral-gravity-model 3.3.1", "potential, acceleration and tensor of a polyhedron, per point and face",
+     "446 to 562 ns, median 540 ns", "own timing of its release build, Eros with 14 744 faces, 2026"},
+    {"glibc's vector functions (libmvec)", "the straightforward formula of each pair, AVX2",
+     "1.2 to 1.9 times as fast as SLEEF's", "own timing, 2026"},
+    {"KEMField (KATRIN)", "charged wires: closed form near, 16 nodes beyond 2 lengths, 4 beyond 27.7",
+     "as exact as here where it switches, see above", "its source"},
+    {"magpylib", "closed forms of magnets", "12 to 14 digits, asked for by its users", "its issue 374"},
+    {"fatiando/choclo", "prisms: the logarithm cancels, NaN at corners", "repaired case by case",
+     "its pull requests 27 and 30"},
+};
+FILE *f = fopen("peers.md", "w");
+nb_require(f);
+for (size_t i = 0; i < sizeof peers / sizeof *peers; i++)
+  for (int k = 0; k < 4; k++) fprintf(f, "| %s%s", peers[i][k], k < 3 ? " " : " |\n");
+nb_require(fclose(f) == 0);
+nb_show("peers.md");
