@@ -46,6 +46,7 @@ skf_status skf_batch_new(const skf_batch_ops *ops, const skf_prepared *elements,
       *next++ = (skf_tile){.form = (skf_form)f, .column = size ? column : NULL};
   }
   out->tiles = tiles;
+  out->elements = count;
   for (size_t i = 0; i < count; i++) {
     skf_form f = skf_batch_form_of(ops, elements + i);
     skf_tile *t = open[f];
@@ -69,14 +70,18 @@ static void add(double *s, double *low, double b) {
   *low += (a - (sum - t)) + (b - t);
 }
 
+static void closed(const skf_prepared *e, skf_vec3 x, double out[4]) {
+  skf_value v = {.F = 0};
+  skf_element_value(e, x, 1, &v);
+  out[0] = e->strength * v.F, out[1] = e->strength * v.g.x, out[2] = e->strength * v.g.y, out[3] = e->strength * v.g.z;
+}
+
 static void add_closed(const skf_tile *t, size_t n, const double *const p[3], skf_batch_sum *sum) {
   for (size_t j = 0; j < t->count; j++)
     for (size_t i = 0; i < n; i++) {
-      skf_value v = {.F = 0};
-      const skf_prepared *e = t->element[j];
-      skf_element_value(e, v3(p[0][i], p[1][i], p[2][i]), 1, &v);
-      double part[4] = {v.F, v.g.x, v.g.y, v.g.z};
-      for (int k = 0; k < 4; k++) add(sum->s[k] + i, sum->low[k] + i, e->strength * part[k]);
+      double part[4];
+      closed(t->element[j], v3(p[0][i], p[1][i], p[2][i]), part);
+      for (int k = 0; k < 4; k++) add(sum->s[k] + i, sum->low[k] + i, part[k]);
     }
 }
 
@@ -91,6 +96,9 @@ static void total(size_t n, const skf_batch_sum *sum, int k, double *out) {
 const skf_batch_ops skf_batch_scalar = {.total = total};
 
 const skf_batch_ops *skf_batch_get(skf_isa isa) {
+#ifdef SKF_HAVE_AVX512
+  if (isa == SKF_ISA_AVX512) return &skf_batch_avx512;
+#endif
 #ifdef SKF_HAVE_AVX2
   if (isa == SKF_ISA_AVX2) return &skf_batch_avx2;
 #endif
@@ -163,9 +171,46 @@ static void sum(const job *j, size_t from, size_t n) {
   for (size_t i = 0; i < n; i += SKF_BATCH) sum_block(j, from + i, n - i < SKF_BATCH ? n - i : SKF_BATCH);
 }
 
+void skf_batch_at(const skf_batch *b, skf_vec3 p, bool exact, double out[4]) {
+  skf_point_sum sum;
+  memset(&sum, 0, sizeof sum);
+  for (size_t i = 0; i < b->tiles; i++) {
+    const skf_tile *t = b->tile + i;
+    if (exact ? skf_batch_full(t) : t->column != NULL) {
+      b->ops->form[t->form].at(t, p, exact, &sum);
+      continue;
+    }
+    for (size_t j = 0; j < t->count; j++) {
+      closed(t->element[j], p, out);
+      for (int k = 0; k < 4; k++) add(sum.s[k], sum.low[k], out[k]);
+    }
+  }
+  for (int k = 0; k < 4; k++) {
+    double s = sum.s[k][0], low = sum.low[k][0];
+    for (int i = 1; exact && i < SKF_TILE; i++) add(&s, &low, sum.s[k][i]), low += sum.low[k][i];
+    sum.s[k][0] = s;
+    out[k] = s - s == 0 ? s + low : s;
+    if (k > 0 && sum.s[0][0] - sum.s[0][0] != 0) out[k] = 0;
+  }
+}
+
+/* Few points: elements are the lanes. */
+static void few(const job *j, size_t n) {
+  for (size_t i = 0; i < n; i++) {
+    double out[4];
+    skf_batch_at(j->batch, v3(j->p[0][i], j->p[1][i], j->p[2][i]), false, out);
+    for (int k = 0; k < 4; k++)
+      if (j->out[k]) j->out[k][i] = out[k];
+  }
+}
+
 void skf_batch_eval(const skf_batch *b, size_t n, const double *const p[3], double *F, double *const g[3]) {
   job j = {b, p, {F, g ? g[0] : NULL, g ? g[1] : NULL, g ? g[2] : NULL}};
   void (*range)(const job *, size_t, size_t) = b->tiles == 1 && b->tile->column && b->tile->count == 1 ? one : sum;
+  if (range == sum && n * b->tiles * SKF_TILE <= SKF_BATCH_PAD * b->elements) {
+    few(&j, n);
+    return;
+  }
   /* waking threads would cost more than the work, even to find one thread only: 0.4 us */
   if (n * b->tiles < 2048) {
     range(&j, 0, n);

@@ -7,8 +7,8 @@
 #include "field/batch_forms.h"
 #include "simd/isa.h"
 
-/* Points in a block; points are padded to SKF_BATCH_PAD, a multiple of what a loop takes at once on every instruction
-   set; elements in a tile, a multiple of every instruction set's lanes; constants of an element at most. */
+/* Points in a block; points are padded to SKF_BATCH_PAD, a multiple of every instruction set's lanes, as is SKF_TILE,
+   the elements in a tile; constants of an element at most. */
 enum { SKF_BATCH = 128, SKF_BATCH_PAD = 8, SKF_TILE = 8, SKF_ROW_MAX = 128 };
 
 /* Up to SKF_TILE elements of one form. column: constant k of element j at [k * SKF_TILE + j], strength first; the last
@@ -25,6 +25,11 @@ typedef struct skf_batch_sum {
   double s[4][SKF_BATCH], low[4][SKF_BATCH];
 } skf_batch_sum;
 
+/* The same at one point, each lane of a tile for itself. */
+typedef struct skf_point_sum {
+  double s[4][SKF_TILE], low[4][SKF_TILE];
+} skf_point_sum;
+
 /* One form's loops. n is a multiple of SKF_BATCH_PAD. What comes out at a point depends on this point alone. */
 typedef struct skf_batch_form {
   size_t columns;                                         /* constants of an element, strength included */
@@ -33,6 +38,9 @@ typedef struct skf_batch_form {
   void (*one)(const skf_tile *t, size_t n, const double *const p[3], double *const out[4]);
   /* adds all elements; first: the sum is not set yet */
   void (*add)(const skf_tile *t, size_t n, const double *const p[3], skf_batch_sum *sum, bool first);
+  /* the same at one point, elements being lanes: with `exact` each element is added without loss to its lane's sum,
+     else to lane 0 what `add` adds, so that it comes to the same bits */
+  void (*at)(const skf_tile *t, skf_vec3 p, bool exact, skf_point_sum *sum);
 } skf_batch_form;
 
 typedef struct skf_batch_ops {
@@ -41,7 +49,7 @@ typedef struct skf_batch_ops {
   void (*total)(size_t n, const skf_batch_sum *sum, int k, double *out);
 } skf_batch_ops;
 
-extern const skf_batch_ops skf_batch_scalar, skf_batch_avx2;
+extern const skf_batch_ops skf_batch_scalar, skf_batch_avx2, skf_batch_avx512;
 
 const skf_batch_ops *skf_batch_get(skf_isa isa);
 
@@ -52,12 +60,19 @@ skf_form skf_batch_form_of(const skf_batch_ops *ops, const skf_prepared *e);
 typedef struct skf_batch {
   const skf_batch_ops *ops;
   skf_tile *tile;
-  size_t tiles;
+  size_t tiles, elements;
   double *columns;
 } skf_batch;
 
 skf_status skf_batch_new(const skf_batch_ops *ops, const skf_prepared *elements, size_t count, skf_batch *out);
 void skf_batch_free(skf_batch *b);
+
+/* Whether elements as lanes save time. */
+static inline bool skf_batch_full(const skf_tile *t) { return t->column && t->count >= SKF_TILE / 4; }
+
+/* F and the gradient at one point: out[0] = F, out[1..3]. With `exact` no sum loses anything, and tiles that are not
+   full are left to the closed forms; without, the bits are those of skf_batch_eval. */
+void skf_batch_at(const skf_batch *b, skf_vec3 p, bool exact, double out[4]);
 
 /* F and the gradient at n points of structure-of-arrays form; any output may be NULL. */
 void skf_batch_eval(const skf_batch *b, size_t n, const double *const p[3], double *F, double *const g[3]);

@@ -83,16 +83,22 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
   for (size_t k = 0; k < n; k++) row[k] = vd_set(column[k * SKF_TILE + j]);
 }
 
+/* The constants of the elements from j on, one in each lane */
+SKF_INLINE void row_load(skf_vd *row, size_t n, const double *column, size_t j) {
+#pragma GCC unroll 128
+  for (size_t k = 0; k < n; k++) row[k] = vd_load(column + k * SKF_TILE + j);
+}
+
 SKF_INLINE skf_v3d points_load(const double *const p[3], size_t i) {
   return (skf_v3d){vd_load(p[0] + i), vd_load(p[1] + i), vd_load(p[2] + i)};
 }
 
-/* The lanes of v that are not good, by the closed form; v has no strength in it. */
-static inline void lanes_closed(const skf_prepared *e, const skf_v3d *x, skf_vvalue *v) {
-  for (int i = 0; i < SKF_LANES; i++) {
+/* The lanes of v that are not good, by the closed form; v has no strength in it. Lane i sees element i * step. */
+static inline void lanes_closed(const skf_prepared *const *e, size_t step, const skf_v3d *x, skf_vvalue *v) {
+  for (size_t i = 0; i < SKF_LANES; i++) {
     skf_value c = {.F = 0};
     if (v->good[i]) continue;
-    skf_element_value(e, v3(x->x[i], x->y[i], x->z[i]), 1, &c);
+    skf_element_value(e[i * step], v3(x->x[i], x->y[i], x->z[i]), 1, &c);
     bool finite = c.F - c.F == 0;
     v->F[i] = c.F, v->g.x[i] = finite ? c.g.x : 0, v->g.y[i] = finite ? c.g.y : 0, v->g.z[i] = finite ? c.g.z : 0;
   }
@@ -119,6 +125,41 @@ SKF_INLINE void sum_add(skf_batch_sum *sum, size_t i, const skf_vvalue *v, bool 
   sum_column(sum, 3, i, v->g.z, first);
 }
 
+/* sum_column for elements as lanes: the lanes from j on */
+SKF_INLINE void sum_lanes(skf_point_sum *sum, int k, size_t j, skf_vd v) {
+  skf_vd a = vd_load(sum->s[k] + j), s = a + v, t = s - a;
+  vd_store(sum->s[k] + j, s);
+  vd_store(sum->low[k] + j, vd_load(sum->low[k] + j) + ((a - (s - t)) + (v - t)));
+}
+
+/* A tile's values, all into lane 0 as name##_add does */
+SKF_INLINE void sum_tile(const skf_tile *tile, double values[4][SKF_TILE], skf_point_sum *sum) {
+  double all[4] = {0, 0, 0, 0};
+  for (size_t j = 0; j < tile->count; j++)
+    for (int k = 0; k < 4; k++) all[k] = fma(tile->column[j], values[k][j], all[k]);
+  for (int k = 0; k < 4; k++) {
+    double a = sum->s[k][0], s = a + all[k], t = s - a;
+    sum->s[k][0] = s;
+    sum->low[k][0] += (a - (s - t)) + (all[k] - t);
+  }
+}
+
+SKF_INLINE void tile_keep(const skf_tile *tile, size_t j, const skf_vvalue *v, bool exact, double values[4][SKF_TILE],
+                          skf_point_sum *sum) {
+  const skf_vd part[4] = {v->F, v->g.x, v->g.y, v->g.z};
+  for (int k = 0; k < 4; k++)
+    if (exact)
+      sum_lanes(sum, k, j, vd_load(tile->column + j) * part[k]);
+    else
+      vd_store(values[k] + j, part[k]);
+}
+
+/* The lanes from n on, which see no element of their own, must not be infinite. */
+static inline void lanes_beyond(size_t n, skf_vvalue *v) {
+  for (size_t i = n; i < SKF_LANES; i++)
+    if (!v->good[i]) v->good[i] = -1, v->F[i] = v->g.x[i] = v->g.y[i] = v->g.z[i] = 0;
+}
+
 #define skf_again_none(row, x) ((skf_vvalue){.good = vi_set(0)})
 
 /* A form that is one function. */
@@ -141,7 +182,7 @@ SKF_INLINE void sum_add(skf_batch_sum *sum, size_t i, const skf_vvalue *v, bool 
     v->F = vd_select(v->good, v->F, w.F);                                                                              \
     v->g = vd3_select(v->good, v->g, w.g);                                                                             \
     v->good |= w.good;                                                                                                 \
-    lanes_closed(tile->element[j], &x, v);                                                                             \
+    lanes_closed(tile->element + j, 0, &x, v);                                                                         \
   }                                                                                                                    \
   /* The value of n = 1 or 2 vectors of points from i on */                                                            \
   SKF_INLINE void name##_pair(const skf_tile *tile, size_t j, const name##_row *row, const name##_state *s,            \
@@ -205,6 +246,36 @@ SKF_INLINE void sum_add(skf_batch_sum *sum, size_t i, const skf_vvalue *v, bool 
     size_t i = 0;                                                                                                      \
     for (; i + (flight)*SKF_LANES <= n; i += (flight)*SKF_LANES) name##_add_step(tile, in, i, flight, sum, first);     \
     for (; i < n; i += SKF_LANES) name##_add_step(tile, in, i, 1, sum, first);                                         \
+  }                                                                                                                    \
+  static __attribute__((noinline, cold)) void name##_redo_at(const skf_tile *tile, size_t j, const skf_v3d *x,         \
+                                                             skf_vvalue *v) {                                          \
+    name##_row row;                                                                                                    \
+    row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                                 \
+    lanes_beyond(tile->count - j, v);                                                                                  \
+    if (vi_all(v->good)) return;                                                                                       \
+    skf_vvalue w = again(&row, *x);                                                                                    \
+    v->F = vd_select(v->good, v->F, w.F);                                                                              \
+    v->g = vd3_select(v->good, v->g, w.g);                                                                             \
+    v->good |= w.good;                                                                                                 \
+    lanes_closed(tile->element + j, 1, x, v);                                                                          \
+  }                                                                                                                    \
+  static void name##_at(const skf_tile *tile, skf_vec3 p, bool exact, skf_point_sum *sum) {                            \
+    const skf_v3d x = {vd_set(p.x), vd_set(p.y), vd_set(p.z)};                                                         \
+    double values[4][SKF_TILE];                                                                                        \
+    for (size_t j = 0; j < tile->count; j += SKF_LANES) {                                                              \
+      name##_row row;                                                                                                  \
+      row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+      const name##_state state = name##_begin(&row, x);                                                                \
+      skf_vvalue v = name##_end(&row, &state);                                                                         \
+      if (!vi_all(v.good)) {                                                                                           \
+        skf_v3d at = x;                                                                                                \
+        skf_vvalue w = v;                                                                                              \
+        name##_redo_at(tile, j, &at, &w);                                                                              \
+        v = w;                                                                                                         \
+      }                                                                                                                \
+      tile_keep(tile, j, &v, exact, values, sum);                                                                      \
+    }                                                                                                                  \
+    if (!exact) sum_tile(tile, values, sum);                                                                           \
   }
 
 static void batch_total(size_t n, const skf_batch_sum *sum, int k, double *out) {
@@ -220,6 +291,6 @@ static void batch_total(size_t n, const skf_batch_sum *sum, int k, double *out) 
 
 /* Its row in the table of an instruction set */
 #define SKF_BATCH_ENTRY(name)                                                                                          \
-  [SKF_FORM_##name] = {sizeof(name##_row) / sizeof(skf_vd) + 1, name##_pack, name##_one, name##_add},
+  [SKF_FORM_##name] = {sizeof(name##_row) / sizeof(skf_vd) + 1, name##_pack, name##_one, name##_add, name##_at},
 
 #endif

@@ -11,6 +11,7 @@ struct skf_field {
   skf_element *elements;
   skf_prepared *prepared;
   skf_batch batch;
+  bool crowd; /* enough elements of one form to make them the lanes */
 };
 
 static skf_status check(const skf_element *e) {
@@ -35,6 +36,7 @@ skf_status skf_field_new(const skf_element *elements, size_t n, skf_field **out)
   f->n = n;
   skf_status s = skf_batch_new(skf_batch_get(skf_isa_pick()), f->prepared, n, &f->batch);
   if (s) return skf_field_free(f), s;
+  for (size_t i = 0; i < f->batch.tiles; i++) f->crowd |= skf_batch_full(f->batch.tile + i);
   return *out = f, SKF_OK;
 }
 
@@ -80,8 +82,12 @@ static double evaluate(const skf_field *f, skf_vec3 x, int order, skf_vec3 *g, d
 }
 
 double skf_field_at(const skf_field *f, skf_vec3 p, skf_vec3 *g) {
+  double v[4];
   skf_vec3 ignored;
-  return evaluate(f, p, 1, g ? g : &ignored, NULL);
+  if (!f->crowd) return evaluate(f, p, 1, g ? g : &ignored, NULL);
+  skf_batch_at(&f->batch, p, true, v);
+  if (g) *g = v3(v[1], v[2], v[3]);
+  return v[0];
 }
 
 double skf_field_tensor_at(const skf_field *f, skf_vec3 p, skf_vec3 *g, double h[6]) {

@@ -92,14 +92,15 @@ SKF_INLINE skf_vd vd_fnma(skf_vd a, skf_vd b, skf_vd c) {
 SKF_INLINE skf_vd vd_sqrt(skf_vd a) { return (skf_vd)SKF_MM(sqrt)((skf_mm)a); }
 #if SKF_VEC_BYTES == 64
 #ifdef SKF_VEC_FLOAT
-/* One bit for each lane whose mask is set */
-SKF_INLINE int vi_bits(skf_vi m) { return _mm512_movepi32_mask((__m512i)m); }
+#define SKF_MASK(m) _mm512_movepi32_mask((__m512i)(m))
 #else
-SKF_INLINE int vi_bits(skf_vi m) { return _mm512_movepi64_mask((__m512i)m); }
+#define SKF_MASK(m) _mm512_movepi64_mask((__m512i)(m))
 #endif
+/* One bit for each lane whose mask is set */
+SKF_INLINE int vi_bits(skf_vi m) { return SKF_MASK(m); }
 /* a where the mask is set, else b */
 SKF_INLINE skf_vd vd_select(skf_vi m, skf_vd a, skf_vd b) {
-  return (skf_vd)SKF_MM(mask_blend)((unsigned short)vi_bits(m), (skf_mm)b, (skf_mm)a);
+  return (skf_vd)SKF_MM(mask_blend)(SKF_MASK(m), (skf_mm)b, (skf_mm)a);
 }
 #else
 SKF_INLINE int vi_bits(skf_vi m) { return SKF_MM(movemask)((skf_mm)m); }
