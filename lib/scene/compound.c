@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Entries of a skeleton that stand for several primitives: circle, polyline, polygon, bezier, mesh. */
+/* Entries of a skeleton that stand for several primitives; curves have a file of their own. */
 #include "scene/skeleton.h"
 #include "core/alloc.h"
 #include "core/vec3.h"
@@ -97,23 +97,33 @@ static skf_status expand_polygon(skf_reader *r, const skf_entry *e, skf_pieces *
   return s;
 }
 
-static skf_status expand_bezier(skf_reader *r, const skf_entry *e, skf_pieces *into) {
-  size_t n = 0;
-  skf_primitive *p = NULL;
-  skf_status s = skf_bezier_cut(e->control, e->tolerance, NULL, 0, &n);
-  if (s == SKF_ERR_DEGENERATE || (!s && !n))
-    return skf_error_set(r->error, SKF_ERR_DEGENERATE, e->kind->line,
-                         "four equal points in a bezier, expected a proper bezier");
-  if (s && e->tolerance > 0)
-    return skf_error_set(r->error, s, skf_map_line(r, e->map, "tolerance"),
-                         "tolerance is out of range for this bezier, expected 1e-10 to 0.1 of its polygon's length");
-  if (s) return skf_error_set(r->error, s, e->kind->line, "size of the bezier overflows, expected a proper bezier");
-  p = skf_alloc(n, sizeof *p);
-  s = p ? skf_bezier_cut(e->control, e->tolerance, p, n, &n)
-        : skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
-  for (size_t i = 0; i < n && !s; i++) s = skf_add_piece(r, e, p + i, into);
-  skf_free(p);
-  return s;
+/* Each face as two triangles, counter-clockwise from outside; corner i is at (i & 1, i >> 1 & 1, i >> 2). */
+static skf_status expand_box(skf_reader *r, const skf_entry *e, skf_pieces *into) {
+  static const unsigned char faces[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                                             {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  skf_vec3 n = v3_unit(e->axis), corner[8];
+  if (!(v3_norm(n) > 0))
+    return skf_error_set(r->error, SKF_ERR_DEGENERATE, skf_map_line(r, e->map, "axis"),
+                         "axis is the zero vector, expected a direction");
+  for (int i = 0; i < 3; i++)
+    if (!(v3_get(e->size, i) > 0))
+      return skf_error_set(r->error, SKF_ERR_RANGE, skf_map_line(r, e->map, "size"),
+                           "size of a box is %g along %c, expected three lengths > 0", v3_get(e->size, i), "xyz"[i]);
+  double c = cos(e->angle), s = sin(e->angle);
+  for (int i = 0; i < 8; i++) {
+    skf_vec3 v =
+        v3((i & 1 ? 0.5 : -0.5) * e->size.x, (i & 2 ? 0.5 : -0.5) * e->size.y, (i & 4 ? 0.5 : -0.5) * e->size.z);
+    if (e->angle != 0) v = v3_mad(v3_mad(v3_scale(c, v), s, v3_cross(n, v)), (1 - c) * v3_dot(n, v), n);
+    corner[i] = v3_add(e->center, v);
+  }
+  skf_status status = SKF_OK;
+  for (int i = 0; i < 12 && !status; i++) {
+    const unsigned char *f = faces[i];
+    status = skf_add_piece(
+        r, e, &(skf_primitive){.shape = SKF_TRIANGLE, .triangle.vertices = {corner[f[0]], corner[f[1]], corner[f[2]]}},
+        into);
+  }
+  return status;
 }
 
 /* Reads the mesh; its messages get the file's name in front, and what was expected where they do not tell. */
@@ -179,10 +189,14 @@ static const skf_key polygon_keys[] = {
      .read = keep_list, .form = points_form},
 };
 
-static const skf_key bezier_keys[] = {
-    {"points", "L", "from, two handles, to", SKF_KEY_VECTORS, true, .offset = offsetof(skf_entry, control), .count = 4},
-    {"tolerance", "L", "distance of pieces and curve (default: 1e-6 of the points' polygon)", SKF_KEY_NUMBER, false,
-     .offset = offsetof(skf_entry, tolerance), .range = &skf_positive},
+static const skf_key box_keys[] = {
+    {"center", "L", "its centre", SKF_KEY_VECTOR, true, .offset = offsetof(skf_entry, center)},
+    {"size", "L", "its lengths along its x, y and z, each > 0", SKF_KEY_VECTOR, true,
+     .offset = offsetof(skf_entry, size)},
+    {"axis", "1", "it is turned about this axis through its centre (default: z)", SKF_KEY_VECTOR, false,
+     .offset = offsetof(skf_entry, axis)},
+    {"angle", "deg", "by so much, right-handed (default: 0)", SKF_KEY_ANGLE, false,
+     .offset = offsetof(skf_entry, angle)},
 };
 
 static const skf_key mesh_keys[] = {
@@ -195,7 +209,14 @@ const skf_compound skf_compounds[SKF_COMPOUND_COUNT] = {
     {{"polyline", "segments from point to point", polyline_keys, 2}, expand_polyline},
     {{"polygon", "a flat simple polygon without holes, convex or not, cut into triangles", polygon_keys, 1},
      expand_polygon},
-    {{"bezier", "a cubic Bezier curve, as a chain of arcs within its tolerance", bezier_keys, 2}, expand_bezier},
+    {{"bezier", "a cubic Bezier curve, as a chain of arcs within its tolerance", skf_bezier_keys, SKF_BEZIER_KEYS},
+     skf_expand_bezier},
+    {{"helix", "a helix, or a conical one, as a chain of arcs within its tolerance", skf_helix_keys, SKF_HELIX_KEYS},
+     skf_expand_helix},
+    {{"spiral", "a plane spiral of Archimedes, or a logarithmic one, as a chain of arcs within its tolerance",
+      skf_spiral_keys, SKF_SPIRAL_KEYS},
+     skf_expand_helix},
+    {{"box", "the surface of a box, as twelve triangles", box_keys, 4}, expand_box},
     {{"mesh", "the triangles of a mesh file, open or closed; faces with more corners are cut into fans", mesh_keys, 1},
      expand_mesh},
 };

@@ -24,7 +24,7 @@ const skf_key skf_entry_keys[SKF_ENTRY_KEYS] = {
      .form = "a material's name"},
 };
 
-enum { ENTRY_KEYS = 6 + SKF_ENTRY_KEYS, KINDS = SKF_SHAPE_COUNT + SKF_COMPOUND_COUNT };
+enum { ENTRY_KEYS = SKF_HELIX_KEYS + SKF_ENTRY_KEYS, KINDS = SKF_SHAPE_COUNT + SKF_COMPOUND_COUNT };
 
 /* The keys of one kind of entry: a primitive's, or a compound's. */
 typedef struct entry_table {
@@ -83,7 +83,7 @@ static void make_table(int kind, entry_table *t) {
 }
 
 static skf_status one_kind(skf_reader *r, const skf_node *entry, long line) {
-  char list[128] = "";
+  char list[160] = "";
   for (int i = 0; i < KINDS; i++) {
     size_t n = strlen(list);
     snprintf(list + n, sizeof list - n, "%s%s", i ? ", " : "", kind_name(i));
@@ -169,6 +169,8 @@ static skf_status read_entry(skf_reader *r, const skf_node *entry, const entry_t
   bool simple = kind < SKF_SHAPE_COUNT;
   skf_entry e = {.element = {.primitive.shape = simple ? (skf_shape)kind : SKF_POINT},
                  .style = skf_no_style,
+                 .helix.end_radius = -1,
+                 .axis = {0, 0, 1},
                  .name = kind_name(kind),
                  .kind = word,
                  .map = value};

@@ -15,6 +15,9 @@ typedef struct skf_entry {
   bool closed;
   skf_vec3 control[4]; /* of a bezier, and its tolerance; 0: the default */
   double tolerance;
+  skf_helix helix;             /* or a spiral; end_radius < 0: not given */
+  skf_vec3 center, size, axis; /* of a box, and how it is turned */
+  double angle;
 } skf_entry;
 
 /* The keys that every entry may have besides its own. */
@@ -37,7 +40,12 @@ typedef struct skf_compound {
   skf_status (*expand)(skf_reader *r, const skf_entry *e, skf_pieces *into);
 } skf_compound;
 
-enum { SKF_COMPOUND_COUNT = 5 };
+enum { SKF_BEZIER_KEYS = 2, SKF_HELIX_KEYS = 8, SKF_SPIRAL_KEYS = 8 };
+extern const skf_key skf_bezier_keys[SKF_BEZIER_KEYS], skf_helix_keys[SKF_HELIX_KEYS], skf_spiral_keys[SKF_SPIRAL_KEYS];
+skf_status skf_expand_bezier(skf_reader *r, const skf_entry *e, skf_pieces *into);
+skf_status skf_expand_helix(skf_reader *r, const skf_entry *e, skf_pieces *into); /* spirals, too */
+
+enum { SKF_COMPOUND_COUNT = 8 };
 extern const skf_compound skf_compounds[SKF_COMPOUND_COUNT];
 
 /* Fills body->elements and what belongs to them from a list that is not empty. */

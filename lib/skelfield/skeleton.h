@@ -100,17 +100,52 @@ SKF_API skf_arc skf_arc_circle(skf_vec3 center, skf_vec3 normal, double radius);
 SKF_API skf_status skf_polygon_triangulate(const skf_vec3 *vertices, size_t n, unsigned (*triangles)[3],
                                            const char **why, size_t *where);
 
-/* Default tolerance of a Bezier curve, as a part of its control polygon's length. */
-#define SKF_BEZIER_TOLERANCE 1e-6
+/* ---- Curves as chains of arcs ---- */
 
-/* Replaces the cubic Bezier curve of four control points by arcs (segments where it is straight), in order, each from
-   where the last one ends, tangent to each other and to the curve at every second joint. Curve and pieces are nowhere
-   farther than `tolerance` [L] from each other (measured at 15 points of each pair of arcs, with a factor 2 to spare);
-   0 stands for the default; it must be from 1e-10 to 0.1 of the control polygon's length. *count is how many pieces
-   there are; pieces may be NULL, to count them. SKF_ERR_RANGE (not finite, tolerance), SKF_ERR_DEGENERATE (four equal
-   points) or SKF_ERR_CAPACITY. */
+/* A curve for t in [0, 1]: its place, and the direction (of any length but 0) in which it goes on from there (side > 0)
+   or came there (side < 0); the two differ at corners and cusps. */
+typedef struct skf_curve {
+  void (*at)(const void *user, double t, int side, skf_vec3 *place, skf_vec3 *direction);
+  const void *user;
+  int parts; /* is cut into this many equal parts of t to begin with: some four a turn, or its corners; 0: one */
+} skf_curve;
+
+/* Default tolerance, as a part of the curve's size. */
+#define SKF_CURVE_TOLERANCE  1e-6
+#define SKF_BEZIER_TOLERANCE SKF_CURVE_TOLERANCE
+
+/* Replaces a curve by arcs (segments where it is straight), in order, each from where the last one ends, tangent to
+   each other and to the curve at every second joint [Sharrock 1987]. Curve and pieces are nowhere farther than
+   `tolerance` [L] from each other (measured at 15 points of each pair of arcs, with a factor 2 to spare); 0 stands for
+   the default; it must be from 1e-10 to 0.1 of the largest side of the curve's box. *count is how many pieces there
+   are, which grows like tolerance^(-1/3); pieces may be NULL, to count them. SKF_ERR_RANGE (not finite, tolerance),
+   SKF_ERR_DEGENERATE (it stays where it is) or SKF_ERR_CAPACITY. */
+SKF_API skf_status skf_curve_cut(const skf_curve *curve, double tolerance, skf_primitive *pieces, size_t capacity,
+                                 size_t *count);
+
+/* The same for the cubic Bezier curve of four control points; its size is its control polygon's length. Four equal
+   points are SKF_ERR_DEGENERATE. */
 SKF_API skf_status skf_bezier_cut(const skf_vec3 points[4], double tolerance, skf_primitive *pieces, size_t capacity,
                                   size_t *count);
+
+#define SKF_HELIX_TURNS 1e5 /* at most */
+
+/* Starts at center + radius * start, turns about the axis by the right-hand rule and rises by `pitch` along it in each
+   turn [L], of any sign. The radius goes to end_radius linearly with the angle, or, if logarithmic, by the same factor
+   in equal angles. So end_radius = radius is a helix, another one a conical helix; with pitch = 0 it is the spiral of
+   Archimedes or the logarithmic one. `start` is projected and normalised as an arc's. */
+typedef struct skf_helix {
+  skf_vec3 center, axis, start;
+  double radius, end_radius; /* >= 0, not both 0; both > 0 if logarithmic [L] */
+  double pitch, turns;       /* 0 < turns <= SKF_HELIX_TURNS */
+  bool logarithmic;
+} skf_helix;
+
+/* The same for a helix; its size is the larger radius. The pieces' total length is the curve's to (tolerance / size) or
+   better. SKF_ERR_DEGENERATE: no axis or start, no radius, or a circle that is run through again (no pitch, one radius,
+   more than one turn). */
+SKF_API skf_status skf_helix_cut(const skf_helix *helix, double tolerance, skf_primitive *pieces, size_t capacity,
+                                 size_t *count);
 
 #ifdef __cplusplus
 }

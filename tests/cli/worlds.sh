@@ -53,6 +53,7 @@ fi
 flies cross stone
 flies kleopatra ""
 flies gaussian ""
+flies coil ""
 
 if has geographiclib; then
   # The bow comes back to its start after half of the flight; the stone on the axis never leaves it.

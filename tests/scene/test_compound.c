@@ -148,6 +148,77 @@ static void curves(void **state) {
   skf_scene_free(s);
 }
 
+/* A coil and a spiral against chains of 4000 chords a turn, which are too short by 4e-7. */
+static void helices(void **state) {
+  (void)state;
+  static const struct {
+    const char *text;
+    double r0, r1, pitch, turns;
+    bool log;
+  } all[] = {
+      {"  - helix: {center: [1, 2, 3], axis: [0, 0, 2], start: [0, 5, 7], radius: 2, pitch: 0.5, turns: 3.25}\n", 2, 2,
+       0.5, 3.25, false},
+      {"  - helix: {center: [1, 2, 3], axis: [0, 0, 2], start: [0, 5, 7], radius: 2, end_radius: 0, pitch: -1, turns: "
+       "2}\n",
+       2, 0, -1, 2, false},
+      {"  - spiral: {center: [1, 2, 3], normal: [0, 0, 2], start: [0, 1, 0], radius: 0.5, end_radius: 3, turns: 2}\n",
+       0.5, 3, 0, 2, false},
+      {"  - spiral: {center: [1, 2, 3], normal: [0, 0, 2], start: [0, 1, 0], radius: 0.5, end_radius: 3, turns: 2, "
+       "law: "
+       "logarithmic}\n",
+       0.5, 3, 0, 2, true},
+  };
+  enum { N = 16000 };
+  skf_element *e = calloc(N, sizeof *e);
+  for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
+    char text[512];
+    snprintf(text, sizeof text, HEAD "%s", all[k].text);
+    skf_scene *s = good(text);
+    skf_vec3 from = {0, 0, 0};
+    for (int i = 0; i <= N; i++) {
+      double t = (double)i / N, phi = 2 * SKF_PI * all[k].turns * t, r = all[k].r0 + t * (all[k].r1 - all[k].r0);
+      if (all[k].log) r = all[k].r0 * pow(all[k].r1 / all[k].r0, t);
+      skf_vec3 to = v3(1 - r * sin(phi), 2 + r * cos(phi), 3 + all[k].pitch * all[k].turns * t);
+      if (i) e[i - 1] = (skf_element){{.shape = SKF_SEGMENT, .segment = {from, to}}, {SKF_INVERSE, 0}, 1};
+      from = to;
+    }
+    skf_field *fine;
+    assert_int_equal(skf_field_new(e, N, &fine), SKF_OK);
+    uint64_t seed = 13;
+    for (int i = 0; i < 10; i++) {
+      skf_vec3 p = v3_add(v3(1, 2, 3), v3_scale(rnd(&seed, 4, 9), rnd_unit(&seed)));
+      check_close(skf_field_at(s->bodies[0].field, p, NULL), skf_field_at(fine, p, NULL), 2e-6);
+    }
+    skf_field_free(fine), skf_scene_free(s);
+  }
+  free(e);
+}
+
+/* The surface of a box: area, outward orientation, volume; a turned one is the polygons that it is made of. */
+static void boxes(void **state) {
+  (void)state;
+  skf_scene *s = good(HEAD "  - box: {center: [1, 2, 3], size: [2, 3, 4], axis: [1, 1, 0], angle: 40}\n");
+  const skf_body *b = s->bodies;
+  assert_int_equal(b->element_count, 12);
+  double area = 0, volume = 0;
+  for (int i = 0; i < 12; i++) {
+    const skf_vec3 *v = b->elements[i].primitive.triangle.vertices;
+    area += skf_primitive_measure(&b->elements[i].primitive);
+    volume += v3_dot(v3_sub(v[0], v3(1, 2, 3)), v3_cross(v3_sub(v[1], v3(1, 2, 3)), v3_sub(v[2], v3(1, 2, 3)))) / 6;
+  }
+  check_close(area, 52, 1e-14);
+  check_close(volume, 24, 1e-14);
+  skf_scene_free(s);
+  same_field(HEAD "  - box: {center: [0, 0, 0], size: [2, 4, 6], axis: [0, 0, 3], angle: 90}\n  mass: 3\n",
+             HEAD "  - polygon: {vertices: [[-2, -1, -3], [2, -1, -3], [2, 1, -3], [-2, 1, -3]]}\n"
+                  "  - polygon: {vertices: [[-2, -1, 3], [2, -1, 3], [2, 1, 3], [-2, 1, 3]]}\n"
+                  "  - polygon: {vertices: [[-2, -1, -3], [2, -1, -3], [2, -1, 3], [-2, -1, 3]]}\n"
+                  "  - polygon: {vertices: [[-2, 1, -3], [2, 1, -3], [2, 1, 3], [-2, 1, 3]]}\n"
+                  "  - polygon: {vertices: [[-2, -1, -3], [-2, 1, -3], [-2, 1, 3], [-2, -1, 3]]}\n"
+                  "  - polygon: {vertices: [[2, -1, -3], [2, 1, -3], [2, 1, 3], [2, -1, 3]]}\n  mass: 3\n",
+             1e-12);
+}
+
 static void files_are_relative_to_the_scene(void **state) {
   (void)state;
   put("pyramid.off", pyramid);
@@ -227,6 +298,8 @@ int main(void) {
       cmocka_unit_test(pieces),
       cmocka_unit_test(fields),
       cmocka_unit_test(curves),
+      cmocka_unit_test(helices),
+      cmocka_unit_test(boxes),
       cmocka_unit_test(files_are_relative_to_the_scene),
       cmocka_unit_test(broken_files_are_refused),
       cmocka_unit_test(failing_allocations_are_errors),
