@@ -83,7 +83,47 @@ SKF_INLINE skf_vvalue cauchy_gather(const arc_row *c, const arc_view *f, const c
   return arc_finish(c, f, F, cc, ss, ends, good & p->good);
 }
 
-SKF_INLINE skf_vvalue cauchy_arc(const arc_row *c, skf_v3d x) {
+/* Away from the axis, from the circle and from the ends of a long thin body no half angles are needed: with a = (Pp +
+   Pm) / 2, b = (Pp - Pm) / 2 and the azimuth mu of x from the middle of the arc,
+     N cos delta = a C - b cos mu, N cos sigma = a cos mu - b C, N sin delta = D S, W0 + W1 = 2 (a - b C cos mu). */
+typedef struct cauchy_arc_state {
+  skf_vd u, v, z, k, inner, outer, Pm, Pp, D, a, b, m, cross, dot, N2, inv;
+  skf_vi good;
+} cauchy_arc_state;
+
+SKF_INLINE cauchy_arc_state cauchy_arc_begin(const arc_row *c, skf_v3d x) {
+  skf_v3d d = vd3_sub(x, c->center);
+  skf_vd u = vd3_dot(d, c->e), v = vd3_dot(d, c->f), z = vd3_dot(d, c->n), k = vd_sqrt(vd_fma(u, u, v * v)), zz = z * z;
+  skf_vd inner = k - c->rho, outer = k + c->rho, alpha = vd_fma(inner, inner, zz), beta = vd_fma(outer, outer, zz);
+  skf_vd one = vd_set(1), Pm = vd_fma(c->param2, alpha, one), Pp = vd_fma(c->param2, beta, one), D = vd_sqrt(Pm * Pp);
+  skf_vd b2 = (c->rho + c->rho) * c->param2, m = vd_fma(c->C, u, c->S * v), b = b2 * k, a = Pm + b;
+  skf_vd dot = vd_fnma(b2, m, a * c->C), cross = D * c->S, N2 = vd_fma(dot, dot, cross * cross);
+  skf_vd inv = one / (k * D * N2);
+  skf_vi good = (vd_set(1024) * alpha > outer * outer) & (vd_set(1024) * N2 > a * a) & vd_sane(inv);
+  return (cauchy_arc_state){u, v, z, k, inner, outer, Pm, Pp, D, a, b, m, cross, dot, N2, inv, good};
+}
+
+SKF_INLINE skf_vvalue cauchy_arc_end(const arc_row *c, const cauchy_arc_state *s) {
+  skf_vd per_N2 = s->inv * (s->D * s->k), rest = s->inv * s->N2, per_D = rest * s->k, per_k = rest * s->D;
+  skf_vd per = per_D * per_D, im = s->Pp * per, ip = s->Pm * per, mu = s->m * per_k,
+         cs = vd_fnma(s->b, c->C, s->a * mu);
+  skf_vd delta = vd_angle(s->cross, s->dot), sN = s->cross * per_N2,
+         first = vd_set(0.5) * sN * cs;                                                 /* sin d cos s / 2 */
+  skf_vd second = sN * s->dot * vd_fma(vd_set(0.25) * per_N2 * cs, cs, vd_set(-0.125)); /* sin 2d cos 2s / 16 */
+  skf_vd half = vd_set(0.5) * delta, fourth = vd_fma(vd_set(0.375), delta, second);
+  skf_vd mixed = vd_fms(vd_set(0.125), delta, second);
+  skf_vd cc = im * vd_fma(fourth + first, im, mixed * ip), ss = ip * vd_fma(fourth - first, ip, mixed * im),
+         all = cc + ss;
+  skf_vd K = (c->rho + c->rho) * per_D, F = K * vd_fma(half + first, im, (half - first) * ip);
+  skf_vd G = vd_set(-4) * c->param2 * K, R = G * per_k * vd_fma(s->inner, cc, s->outer * ss);
+  skf_vd b2 = (c->rho + c->rho) * c->param2, W = vd_fnma(c->C * b2, s->m, s->a), per_kN = per_k * per_N2;
+  skf_vd ends = vd_set(4) * c->rho * b2 * c->S * vd_fms(c->S, s->u, c->C * s->v) * W * (per_kN * per_kN);
+  skf_v3d g = vd3_scale(vd_fms(R, s->u, ends * s->v), c->e);
+  g = vd3_mad(vd3_mad(g, vd_fma(R, s->v, ends * s->u), c->f), G * all * s->z, c->n);
+  return (skf_vvalue){F, g, s->good & (vd_set(128) * all > delta * im * im)};
+}
+
+SKF_INLINE skf_vvalue cauchy_arc_close(const arc_row *c, skf_v3d x) {
   arc_view f = arc_see(c, x);
   cauchy_factors p = cauchy_factor(c, &f);
   skf_vd W_sum, sin_mid;
@@ -131,7 +171,7 @@ SKF_INLINE skf_vvalue inverse_circle(const arc_row *c, skf_v3d x) {
   return arc_finish(c, &f, q.K, (q.sin2 - q.K) / f.alpha, -(q.sin2 / f.beta), vd_set(0), vd_sane(f.alpha));
 }
 
-SKF_BATCH_FORM(cauchy_arc, arc, skf_again_none)
+SKF_BATCH_STAGED(cauchy_arc, arc, cauchy_arc_close, 4)
 SKF_BATCH_FORM(cauchy_circle, arc, skf_again_none)
 SKF_BATCH_FORM(inverse_circle, arc, skf_again_none)
 

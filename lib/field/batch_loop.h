@@ -75,7 +75,9 @@ static inline double *pack1(double *k, double a) {
 }
 static inline double *pack3(double *k, skf_vec3 a) { return pack1(pack1(pack1(k, a.x), a.y), a.z); }
 
-#define SKF_UNROLL _Pragma("GCC unroll 16")
+/* For SKF_BATCH_STAGED: unrolled loops leave too many numbers alive for the registers. */
+#define SKF_UNROLL_1  _Pragma("GCC unroll 1")
+#define SKF_UNROLL_16 _Pragma("GCC unroll 16")
 
 /* Element j's constants in all lanes */
 SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j) {
@@ -167,10 +169,12 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
   typedef skf_v3d name##_state;                                                                                        \
   SKF_INLINE name##_state name##_begin(const row_name##_row *row, skf_v3d x) { return row ? x : x; }                   \
   SKF_INLINE skf_vvalue name##_end(const row_name##_row *row, const name##_state *x) { return name(row, *x); }         \
-  SKF_BATCH_STAGED(name, row_name, again, 2)
+  SKF_BATCH_LOOPS(name, row_name, again, 2, SKF_UNROLL_16)
 
 /* A form in two functions. `flight` vectors, even, have begun before the first ends. */
-#define SKF_BATCH_STAGED(name, row_name, again, flight)                                                                \
+#define SKF_BATCH_STAGED(name, row_name, again, flight) SKF_BATCH_LOOPS(name, row_name, again, flight, SKF_UNROLL_1)
+
+#define SKF_BATCH_LOOPS(name, row_name, again, flight, unroll)                                                         \
   typedef row_name##_row name##_row;                                                                                   \
   static double *name##_pack(const skf_prepared *e, double *k) { return row_name##_pack(e, k); }                       \
   static __attribute__((noinline, cold)) void name##_redo(const skf_tile *tile, size_t j, const double *const p[3],    \
@@ -200,8 +204,8 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
                                   size_t n, double *const out[4]) {                                                    \
     const skf_vd strength = vd_set(tile->column[0]);                                                                   \
     name##_state s[flight];                                                                                            \
-    SKF_UNROLL for (size_t u = 0; u < n; u++) s[u] = name##_begin(row, points_load(p, i + u * SKF_LANES));             \
-    SKF_UNROLL for (size_t u = 0; u < n; u += 2) {                                                                     \
+    unroll for (size_t u = 0; u < n; u++) s[u] = name##_begin(row, points_load(p, i + u * SKF_LANES));                 \
+    unroll for (size_t u = 0; u < n; u += 2) {                                                                         \
       skf_vvalue v[2];                                                                                                 \
       size_t here = n - u < 2 ? 1 : 2, at = i + u * SKF_LANES;                                                         \
       name##_pair(tile, 0, row, s + u, p, at, here, v);                                                                \
@@ -222,14 +226,14 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     const double *const column = tile->column;                                                                         \
     const size_t count = tile->count;                                                                                  \
     skf_vvalue all[flight];                                                                                            \
-    SKF_UNROLL for (size_t u = 0; u < n; u++) all[u] = (skf_vvalue){.F = vd_set(0)};                                   \
+    unroll for (size_t u = 0; u < n; u++) all[u] = (skf_vvalue){.F = vd_set(0)};                                       \
     for (size_t j = 0; j < count; j++) {                                                                               \
       const skf_vd strength = vd_set(column[j]);                                                                       \
       name##_state s[flight];                                                                                          \
       name##_row row;                                                                                                  \
       row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), column + SKF_TILE, j);                                   \
-      SKF_UNROLL for (size_t u = 0; u < n; u++) s[u] = name##_begin(&row, points_load(p, i + u * SKF_LANES));          \
-      SKF_UNROLL for (size_t u = 0; u < n; u += 2) {                                                                   \
+      unroll for (size_t u = 0; u < n; u++) s[u] = name##_begin(&row, points_load(p, i + u * SKF_LANES));              \
+      unroll for (size_t u = 0; u < n; u += 2) {                                                                       \
         skf_vvalue v[2];                                                                                               \
         size_t here = n - u < 2 ? 1 : 2;                                                                               \
         name##_pair(tile, j, &row, s + u, p, i + u * SKF_LANES, here, v);                                              \
@@ -239,7 +243,7 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
         }                                                                                                              \
       }                                                                                                                \
     }                                                                                                                  \
-    SKF_UNROLL for (size_t u = 0; u < n; u++) sum_add(sum, i + u * SKF_LANES, all + u, first);                         \
+    unroll for (size_t u = 0; u < n; u++) sum_add(sum, i + u * SKF_LANES, all + u, first);                             \
   }                                                                                                                    \
   static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
     const double *const in[3] = {p[0], p[1], p[2]};                                                                    \

@@ -6,19 +6,19 @@
 
 #include "field/batch_span.h"
 
-/* As skf_segment_plan; per_L2 = 1 / L^2; the kernel's parameter, its square and inverse. */
+/* As skf_segment_plan; per_L2 = 1 / L^2; the kernel's parameter, its square and inverse; axis2 = (4 / (s^2 L))^2. */
 typedef struct segment_row {
   skf_v3d from, to, e, e_lo, a;
-  skf_vd L, L2, per_L2, param, param2, per_param;
+  skf_vd L, L2, per_L2, param, param2, per_param, axis2;
 } segment_row;
 
 static double *segment_pack(const skf_prepared *e, double *k) {
   const skf_segment *at = &e->primitive.segment;
   const skf_segment_plan *s = &e->plan.segment;
-  double L2 = s->length * s->length, param = e->kernel.param;
+  double L2 = s->length * s->length, param = e->kernel.param, axis = 4 / (param * param * s->length);
   k = pack3(pack3(pack3(pack3(pack3(k, at->from), at->to), s->e), s->e_lo), s->a);
   k = pack1(pack1(pack1(k, s->length), L2), 1 / L2);
-  return pack1(pack1(pack1(k, param), param * param), 1 / param);
+  return pack1(pack1(pack1(pack1(k, param), param * param), 1 / param), fmin(axis * axis, 1e100));
 }
 
 /* n = d x e from the nearer end: w = e x n / L^2 points from the axis to x, h = |n| / L. */
@@ -81,8 +81,39 @@ SKF_INLINE skf_vvalue inverse_segment_close(const segment_row *c, skf_v3d x) {
   return (skf_vvalue){F, segment_gradient(c, &f, g, ends), vd_sane(bottom) & vd_sane(D) & vd_sane(far)};
 }
 
+/* With P^2 = 1 + s^2 h^2, W = P^2 + s^2 t^2 and the angle between the ends, tan u = s t / P:
+     2 F = (delta / (s P) + [t / W]) / P^2, int g dt = -(s / P)^2 ([t / W^2] + 3 F),
+   the brackets, differences between the ends, written without cancellation. They are negative beyond an end; where they
+   would cancel the rest, more than 60 degrees from the perpendicular in u, and on the axis of a thin body, where w is
+   not known well enough, the other form decides. */
+typedef struct cauchy_segment_state {
+  skf_v3d w;
+  skf_vd t0, t1, P, P2, W_sum, WW, inv;
+  skf_vi good;
+} cauchy_segment_state;
+
+SKF_INLINE cauchy_segment_state cauchy_segment_begin(const segment_row *c, skf_v3d x) {
+  skf_v3d d = vd3_sub(x, c->from);
+  skf_vd t = vd3_dot(d, c->a), t0 = -t, t1 = c->L - t;
+  skf_v3d w = vd3_mad(d, t0, c->a);
+  skf_vd h2 = vd3_dot(w, w), P2 = vd_fma(c->param2, h2, vd_set(1));
+  skf_vi good = vd_fma(vd_set(256), h2, c->axis2) > t * t;
+  skf_vd W0 = vd_fma(c->param2 * t0, t0, P2), W1 = vd_fma(c->param2 * t1, t1, P2), WW = W0 * W1;
+  return (cauchy_segment_state){w, t0, t1, vd_sqrt(P2), P2, W0 + W1, WW, vd_set(1) / (WW * P2), good};
+}
+
+SKF_INLINE skf_vvalue cauchy_segment_end(const segment_row *c, const cauchy_segment_state *s) {
+  skf_vd P2 = s->P2, tt = c->param2 * s->t0 * s->t1, sum = s->t0 + s->t1, per_WW = s->inv * P2, per_P2 = s->inv * s->WW;
+  skf_vd delta = vd_angle(c->param * c->L * s->P, P2 + tt), first = delta * (c->per_param * s->P * per_P2);
+  skf_vd L_WW = c->L * per_WW, ends1 = (P2 - tt) * L_WW, F = vd_set(0.5) * per_P2 * (first + ends1);
+  skf_vd wide = vd_fma(c->param2 * sum, sum, (P2 + P2) - tt), ends2 = vd_fms(P2, P2, tt * wide) * (L_WW * per_WW);
+  skf_vd g = -c->param2 * per_P2 * vd_fma(vd_set(3), F, ends2), ends = c->param2 * sum * s->W_sum * (L_WW * per_WW);
+  skf_vi good = (ends1 + ends1 > -first) & (ends2 > -(F + F)) & (s->inv > vd_set(SKF_PICK(1e-140, 1e-18)));
+  return (skf_vvalue){F, vd3_mad(vd3_scale(ends, c->a), g, s->w), good & s->good};
+}
+
 /* cauchy.c's segment, the quotients gathered into two. */
-SKF_INLINE skf_vvalue cauchy_segment(const segment_row *c, skf_v3d x) {
+SKF_INLINE skf_vvalue cauchy_segment_beyond(const segment_row *c, skf_v3d x) {
   skf_vd p = c->param, p2 = c->param2, L = c->L;
   segment_view f = segment_see(c, x);
   skf_vd one = vd_set(1), P2 = vd_fma(p2 * c->per_L2, f.n2, one), P = vd_sqrt(P2);
@@ -97,6 +128,6 @@ SKF_INLINE skf_vvalue cauchy_segment(const segment_row *c, skf_v3d x) {
 }
 
 SKF_BATCH_STAGED(inverse_segment, segment, inverse_segment_close, 8)
-SKF_BATCH_FORM(cauchy_segment, segment, skf_again_none)
+SKF_BATCH_STAGED(cauchy_segment, segment, cauchy_segment_beyond, 8)
 
 #endif

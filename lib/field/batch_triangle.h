@@ -13,7 +13,7 @@ enum { FAR_NODES = 7 };
 /* As skf_triangle_plan; t, n1 the direction and outward normal of the longest edge */
 typedef struct triangle_row {
   skf_v3d v[3], m[3], side, base, n, t, n1;
-  skf_vd L[3], c[3], s[3], twice, half_area, far;
+  skf_vd L[3], c[3], s[3], twice, half_area, far, limit;
 } triangle_row;
 
 static double *triangle_pack(const skf_prepared *e, double *k) {
@@ -25,7 +25,8 @@ static double *triangle_pack(const skf_prepared *e, double *k) {
   for (int i = 0; i < 3; i++) k = pack1(k, T->L[i]);
   for (int i = 0; i < 3; i++) k = pack1(k, T->c[i]);
   for (int i = 0; i < 3; i++) k = pack1(k, T->s[i]);
-  return pack1(pack1(pack1(k, T->twice), 0.5 * T->area), FAR_DIAMETERS * T->diam);
+  k = pack1(pack1(pack1(k, T->twice), 0.5 * T->area), FAR_DIAMETERS * T->diam);
+  return pack1(k, 64 * T->area / (T->L[0] + T->L[1] + T->L[2]));
 }
 
 SKF_INLINE skf_vvalue far_triangle(const triangle_row *T, skf_v3d to_first) {
@@ -73,7 +74,42 @@ SKF_INLINE skf_vvalue near_triangle(const triangle_row *T, const skf_v3d a[3], c
   return (skf_vvalue){F, vd3_mad(g, Z, T->n), good};
 }
 
-SKF_INLINE skf_vvalue inverse_triangle(const triangle_row *T, skf_v3d x) {
+/* The same without the care: not near an edge, and not where the edges' sums lose more than 64, which the distances
+   tell: far away, or anywhere for slivers. */
+typedef struct inverse_triangle_state {
+  skf_vd near[3], far[3], d[3], z, num, den;
+  skf_vi good;
+} inverse_triangle_state;
+
+SKF_INLINE inverse_triangle_state inverse_triangle_begin(const triangle_row *T, skf_v3d x) {
+  inverse_triangle_state s;
+  skf_v3d a[3];
+  skf_vd r[3], rr[3], dot[3];
+  for (int i = 0; i < 3; i++) a[i] = vd3_sub(T->v[i], x), r[i] = vd_sqrt(vd3_dot(a[i], a[i]));
+  for (int i = 0; i < 3; i++) {
+    int j = (i + 1) % 3;
+    dot[i] = vd3_dot(a[i], a[j]), rr[i] = r[i] * r[j], s.near[i] = rr[i] + dot[i], s.far[i] = (r[i] + r[j]) + T->L[i];
+    s.d[i] = vd3_dot(a[i], T->m[i]);
+  }
+  s.z = -vd3_dot(a[0], T->n);
+  s.num = s.z * T->twice;
+  s.den = vd_fma(dot[0], r[2], vd_fma(dot[1], r[0], vd_fma(dot[2], r[1], rr[0] * r[2])));
+  s.good = (vd_set(16) * s.near[0] > rr[0]) & (vd_set(16) * s.near[1] > rr[1]) & (vd_set(16) * s.near[2] > rr[2]);
+  s.good &= (s.far[0] + r[2] < T->limit) & ((s.den > vd_set(0)) | (vd_set(0x1p20) * vd_abs(s.z) > r[0])) &
+            vd_sane(rr[0] * r[2]);
+  return s;
+}
+
+SKF_INLINE skf_vvalue inverse_triangle_end(const triangle_row *T, const inverse_triangle_state *s) {
+  skf_vd J[3], half = vd_set(0.5);
+  for (int i = 0; i < 3; i++) J[i] = vd_log_ratio(half * s->far[i] * s->far[i], s->near[i], T->L[i] * s->far[i]);
+  skf_vd solid = vd_atan2(s->num, s->den), Z = solid + solid;
+  skf_vd F = vd_fma(s->d[0], J[0], vd_fma(s->d[1], J[1], vd_fms(s->d[2], J[2], s->z * Z)));
+  skf_v3d g = vd3_mad(vd3_mad(vd3_mad(vd3_scale(Z, T->n), J[0], T->m[0]), J[1], T->m[1]), J[2], T->m[2]);
+  return (skf_vvalue){F, vd3_scale(vd_set(-1), g), s->good};
+}
+
+SKF_INLINE skf_vvalue inverse_triangle_any(const triangle_row *T, skf_v3d x) {
   skf_v3d a[3];
   skf_vd r[3];
   for (int i = 0; i < 3; i++) a[i] = vd3_sub(T->v[i], x), r[i] = vd_sqrt(vd3_dot(a[i], a[i]));
@@ -87,6 +123,6 @@ SKF_INLINE skf_vvalue inverse_triangle(const triangle_row *T, skf_v3d x) {
   return (skf_vvalue){vd_select(far, v.F, u.F), vd3_select(far, v.g, u.g), (far & v.good) | (~far & u.good)};
 }
 
-SKF_BATCH_FORM(inverse_triangle, triangle, skf_again_none)
+SKF_BATCH_STAGED(inverse_triangle, triangle, inverse_triangle_any, 4)
 
 #endif

@@ -56,8 +56,8 @@ SKF_INLINE skf_vd vd_log_ratio(skf_vd n, skf_vd d, skf_vd dif) {
                 vd_fma(count, vd_set(SKF_PICK(0x1.abc9e3b39803fp-56, -0x1.05c61p-29)), series));
 }
 
-/* atan2(y, x) for y, x not both 0: reduced to |t| <= tan(pi / 8). */
-SKF_INLINE skf_vd vd_atan2(skf_vd y, skf_vd x) {
+/* atan2(y, x) for y >= 0, y and x not both 0: reduced to |t| <= tan(pi / 8). */
+SKF_INLINE skf_vd vd_angle(skf_vd y, skf_vd x) {
   /* (atan(t) / t - 1) / t^2 in t^2 */
 #ifdef SKF_VEC_FLOAT /* 3e-9 */
   static const double c[] = {-0.33333331760434555943, 0.19999540314957969397, -0.14263949753605724022,
@@ -68,18 +68,18 @@ SKF_INLINE skf_vd vd_atan2(skf_vd y, skf_vd x) {
                              -0.066645105255089365988, 0.058581409048663282818,  -0.050854078345894842573,
                              0.039230447784793095235,  -0.019175404711104933678};
 #endif
-  skf_vi negative = x < vd_set(0), sign = vd_sign(y);
-  skf_vd ay = vd_abs(y), ax = vd_abs(x);
-  skf_vi steep = ay > ax;
-  skf_vd low = vd_select(steep, ax, ay), high = vd_select(steep, ay, ax);
+  skf_vd ax = vd_abs(x), low = vd_min(y, ax), high = vd_max(y, ax);
+  skf_vi negative = x<vd_set(0), steep = y> ax;
   skf_vi wide = low > vd_set(0.41421356237309505) * high;
   skf_vd t = vd_select(wide, low - high, low) / vd_select(wide, low + high, high), tt = t * t;
   skf_vd a = vd_fma(t * tt, vd_estrin(c, sizeof c / sizeof *c, tt), t);
   a += (skf_vd)((skf_vi)vd_set(0.78539816339744831) & wide);
   a = vd_select(steep, vd_set(1.5707963267948966) - a, a);
-  a = vd_select(negative, vd_set(3.1415926535897932) - a, a);
-  return (skf_vd)((skf_vi)a ^ sign);
+  return vd_select(negative, vd_set(3.1415926535897932) - a, a);
 }
+
+/* atan2(y, x) for y, x not both 0. */
+SKF_INLINE skf_vd vd_atan2(skf_vd y, skf_vd x) { return (skf_vd)((skf_vi)vd_angle(vd_abs(y), x) ^ vd_sign(y)); }
 
 /* Where vd_exp is accurate, and from where on exp(-x) is 0 */
 #define VD_EXP_MAX  SKF_PICK(700, 86)
