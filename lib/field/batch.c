@@ -112,30 +112,25 @@ typedef struct job {
   double *out[4]; /* any may be NULL */
 } job;
 
-static size_t padded(size_t n) { return (n + SKF_BATCH_PAD - 1) / SKF_BATCH_PAD * SKF_BATCH_PAD; }
-
-/* n points from `from` on, up to SKF_BATCH, the last one again as padding. */
-static void pad(const job *j, size_t from, size_t n, double pad[3][SKF_BATCH], const double *p[3]) {
+/* The last few points, fewer than SKF_BATCH_PAD, the last one again as padding. (No memcpy: its call would take
+ * longer.)
+ */
+static void pad(const job *j, size_t from, size_t n, double room[3][SKF_BATCH_PAD], const double *p[3]) {
   for (int k = 0; k < 3; k++) {
-    p[k] = j->p[k] + from;
-    if (n == padded(n)) continue;
-    memcpy(pad[k], p[k], n * sizeof(double));
-    for (size_t i = n; i < padded(n); i++) pad[k][i] = p[k][n - 1];
-    p[k] = pad[k];
+    for (size_t i = 0; i < SKF_BATCH_PAD; i++) room[k][i] = j->p[k][from + (i < n ? i : n - 1)];
+    p[k] = room[k];
   }
 }
 
-static void sum_block(const job *j, size_t from, size_t n) {
+/* n points at p, padded to m for the vector forms */
+static void sum_block(const job *j, size_t from, size_t n, size_t m, const double *const p[3]) {
   skf_batch_sum sum;
   const skf_batch *b = j->batch;
-  double room[3][SKF_BATCH];
-  const double *p[3];
-  pad(j, from, n, room, p);
   if (b->tiles == 0 || !b->tile->column) memset(&sum, 0, sizeof sum);
   for (size_t i = 0; i < b->tiles; i++) {
     const skf_tile *t = b->tile + i;
     if (t->column)
-      b->ops->form[t->form].add(t, padded(n), p, &sum, i == 0);
+      b->ops->form[t->form].add(t, m, p, &sum, i == 0);
     else
       add_closed(t, n, p, &sum);
   }
@@ -143,32 +138,41 @@ static void sum_block(const job *j, size_t from, size_t n) {
     if (j->out[k]) b->ops->total(n, &sum, k, j->out[k] + from);
 }
 
-/* One element: no sum, straight into the outputs but for those that are missing and the last few points. */
-static void one_block(const job *j, size_t from, size_t n) {
-  const skf_tile *t = j->batch->tile;
-  double room[3][SKF_BATCH], spare[4][SKF_BATCH], *out[4];
+static void sum_range(const job *j, size_t from, size_t n) {
+  double room[3][SKF_BATCH_PAD];
   const double *p[3];
-  pad(j, from, n, room, p);
-  for (int k = 0; k < 4; k++) out[k] = j->out[k] && n == padded(n) ? j->out[k] + from : spare[k];
-  j->batch->ops->form[t->form].one(t, padded(n), p, out);
-  for (int k = 0; k < 4 && n < padded(n); k++)
-    if (j->out[k]) memcpy(j->out[k] + from, spare[k], n * sizeof(double));
-}
-
-/* Its whole blocks at once where all outputs are wanted */
-static void one(const job *j, size_t from, size_t n) {
-  const skf_tile *t = j->batch->tile;
-  size_t whole = j->out[0] && j->out[1] && j->out[2] && j->out[3] ? n / SKF_BATCH_PAD * SKF_BATCH_PAD : 0;
-  const double *const p[3] = {j->p[0] + from, j->p[1] + from, j->p[2] + from};
-  if (whole) {
-    double *const out[4] = {j->out[0] + from, j->out[1] + from, j->out[2] + from, j->out[3] + from};
-    j->batch->ops->form[t->form].one(t, whole, p, out);
+  size_t end = from + n, step;
+  for (; end - from >= SKF_BATCH_PAD; from += step) {
+    step = end - from < SKF_BATCH ? (end - from) / SKF_BATCH_PAD * SKF_BATCH_PAD : SKF_BATCH;
+    const double *const at[3] = {j->p[0] + from, j->p[1] + from, j->p[2] + from};
+    sum_block(j, from, step, step, at);
   }
-  for (size_t i = whole; i < n; i += SKF_BATCH) one_block(j, from + i, n - i < SKF_BATCH ? n - i : SKF_BATCH);
+  if (from == end) return;
+  pad(j, from, end - from, room, p);
+  sum_block(j, from, end - from, SKF_BATCH_PAD, p);
 }
 
-static void sum(const job *j, size_t from, size_t n) {
-  for (size_t i = 0; i < n; i += SKF_BATCH) sum_block(j, from + i, n - i < SKF_BATCH ? n - i : SKF_BATCH);
+/* One element: no sum, straight into the outputs but for those that are missing and the last few points. */
+static void one_range(const job *j, size_t from, size_t n) {
+  const skf_tile *t = j->batch->tile;
+  void (*const one)(const skf_tile *, size_t, const double *const[3], double *const[4]) =
+      j->batch->ops->form[t->form].one;
+  double room[3][SKF_BATCH_PAD], spare[4][SKF_BATCH], *out[4];
+  const double *p[3];
+  size_t end = from + n, step, most = j->out[0] && j->out[1] && j->out[2] && j->out[3] ? n : SKF_BATCH;
+  for (; end - from >= SKF_BATCH_PAD; from += step) {
+    step = end - from < most ? (end - from) / SKF_BATCH_PAD * SKF_BATCH_PAD : most / SKF_BATCH_PAD * SKF_BATCH_PAD;
+    for (int k = 0; k < 3; k++) p[k] = j->p[k] + from;
+    for (int k = 0; k < 4; k++) out[k] = j->out[k] ? j->out[k] + from : spare[k];
+    one(t, step, p, out);
+  }
+  if (from == end) return;
+  pad(j, from, end - from, room, p);
+  for (int k = 0; k < 4; k++) out[k] = spare[k];
+  one(t, SKF_BATCH_PAD, p, out);
+  for (int k = 0; k < 4; k++)
+    for (size_t i = 0; i < SKF_BATCH_PAD && j->out[k]; i++)
+      if (i < end - from) j->out[k][from + i] = spare[k][i];
 }
 
 void skf_batch_at(const skf_batch *b, skf_vec3 p, bool exact, double out[4]) {
@@ -206,13 +210,13 @@ static void few(const job *j, size_t n) {
 
 void skf_batch_eval(const skf_batch *b, size_t n, const double *const p[3], double *F, double *const g[3]) {
   job j = {b, p, {F, g ? g[0] : NULL, g ? g[1] : NULL, g ? g[2] : NULL}};
-  void (*range)(const job *, size_t, size_t) = b->tiles == 1 && b->tile->column && b->tile->count == 1 ? one : sum;
-  if (range == sum && n * b->tiles * SKF_TILE <= SKF_BATCH_PAD * b->elements) {
+  void (*range)(const job *, size_t, size_t) = b->elements == 1 && b->tile->column ? one_range : sum_range;
+  if (range == sum_range && n * b->tiles * SKF_TILE <= SKF_BATCH_PAD * b->elements) {
     few(&j, n);
     return;
   }
   /* waking threads would cost more than the work, even to find one thread only: 0.4 us */
-  if (n * b->tiles < 2048) {
+  if (n * b->elements < 2048) {
     range(&j, 0, n);
     return;
   }

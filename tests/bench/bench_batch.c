@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Batches: time of one value with its gradient for each pair that has a vector form, beside the closed form, and beside
-   the textbook formula of segments written with the vector functions of glibc and of SLEEF. Smallest of several
-   interleaved runs, one thread; it only reports. */
+/* Batches through the public interface, one thread unless told: ns and cycles of a value with its gradient for each
+   vector form, beside the closed form at each point; the same textbook formula with the functions of libm, of glibc's
+   vector library and of SLEEF (1 ulp), and the largest relative errors of all against long double; the cost of a batch
+   of one point; batches in main memory; two threads. Least of many interleaved runs; it only reports. */
 #include "core/vec3.h"
 #include "field/batch.h"
 #include "simd/vec.h"
@@ -9,78 +10,153 @@
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <time.h>
 #ifdef SKF_HAVE_SLEEF
 #include <sleef.h>
 #endif
 
-enum { POINTS = 2040, RUNS = 25 }; /* no power of two: the arrays share the cache */
+enum { POINTS = 2048, PAD = 24, RUNS = 150, HUGE_POINTS = 2000000, FORMULAS = 5 };
 
-static double p[3][POINTS], F[POINTS], g[3][POINTS];
+static double p[3][POINTS + PAD], F[4][POINTS + PAD]; /* padded: rows a multiple of 4096 bytes apart disturb */
+static long double exact[4][POINTS];
 
-typedef skf_vd (*vector_function)(skf_vd);
-typedef void (*textbook)(vector_function f, double s);
+typedef struct library {
+  void (*prepare)(const skf_element *e);
+  void (*run[FORMULAS])(size_t n);
+} library;
 
-/* The segment from (-1, 0, 0) to (1, 0, 0) */
-static void inverse_segment(vector_function log, double s) {
-  (void)s;
-  for (int i = 0; i < POINTS; i += SKF_LANES) {
-    skf_vd x = vd_load(p[0] + i), y = vd_load(p[1] + i), z = vd_load(p[2] + i), u = x + vd_set(1), v = x - vd_set(1);
-    skf_vd h2 = y * y + z * z, r0 = vd_sqrt(u * u + h2), r1 = vd_sqrt(v * v + h2), j = (u / r0 - v / r1) / h2;
-    vd_store(F + i, log((u + r0) / (v + r1)));
-    vd_store(g[0] + i, vd_set(1) / r0 - vd_set(1) / r1);
-    vd_store(g[1] + i, -j * y);
-    vd_store(g[2] + i, -j * z);
-  }
-}
+/* In the order of `run` */
+static const struct {
+  skf_kernel_type kernel;
+  skf_shape shape;
+} formulas[FORMULAS] = {{SKF_INVERSE, SKF_SEGMENT},
+                        {SKF_CAUCHY, SKF_SEGMENT},
+                        {SKF_INVERSE, SKF_TRIANGLE},
+                        {SKF_CAUCHY, SKF_ARC},
+                        {SKF_GAUSSIAN, SKF_POINT}};
 
-static void cauchy_segment(vector_function atan, double s) {
-  skf_vd S = vd_set(s), s2 = S * S, one = vd_set(1), half = vd_set(0.5);
-  for (int i = 0; i < POINTS; i += SKF_LANES) {
-    skf_vd x = vd_load(p[0] + i), y = vd_load(p[1] + i), z = vd_load(p[2] + i), u = x + one, v = x - one;
-    skf_vd P2 = one + s2 * (y * y + z * z), P = vd_sqrt(P2), W0 = P2 + s2 * u * u, W1 = P2 + s2 * v * v;
-    skf_vd a = (atan(S * u / P) - atan(S * v / P)) / S, value = half * (u / W0 - v / W1) / P2 + half * a / (P2 * P);
-    skf_vd j = s2 * ((u / (W0 * W0) - v / (W1 * W1)) / P2 + vd_set(3) * value / P2);
-    vd_store(F + i, value);
-    vd_store(g[0] + i, one / (W0 * W0) - one / (W1 * W1));
-    vd_store(g[1] + i, -j * y);
-    vd_store(g[2] + i, -j * z);
-  }
-}
+#define V           long double
+#define REAL        long double
+#define NAME(x)     exact_##x
+#define LOAD(p)     ((long double)*(p))
+#define STORE(p, v) (*(p) = (v))
+#define OUT         exact
+#define SQRT        sqrtl
+#define LOG1P       log1pl
+#define EXP         expl
+#define ATAN        atanl
+#define ATAN2       atan2l
+#define SIN         sinl
+#define COS         cosl
+#include "formula.h"
+
+#define V           double
+#define REAL        double
+#define NAME(x)     libm_##x
+#define LOAD(p)     (*(p))
+#define STORE(p, v) (*(p) = (v))
+#define OUT         F
+#define SQRT        sqrt
+#define LOG1P       log1p
+#define EXP         exp
+#define ATAN        atan
+#define ATAN2       atan2
+#define SIN         sin
+#define COS         cos
+#include "formula.h"
 
 #ifdef SKF_HAVE_LIBMVEC
-__m256d _ZGVdN4v_log(__m256d), _ZGVdN4v_atan(__m256d);
-static skf_vd glibc_log(skf_vd x) { return (skf_vd)_ZGVdN4v_log((__m256d)x); }
-static skf_vd glibc_atan(skf_vd x) { return (skf_vd)_ZGVdN4v_atan((__m256d)x); }
-#else
-static const vector_function glibc_log = NULL, glibc_atan = NULL;
+__m256d _ZGVdN4v_log1p(__m256d), _ZGVdN4v_exp(__m256d), _ZGVdN4v_atan(__m256d), _ZGVdN4vv_atan2(__m256d, __m256d);
+#define V           skf_vd
+#define REAL        double
+#define NAME(x)     glibc_##x
+#define LOAD        vd_load
+#define STORE       vd_store
+#define OUT         F
+#define SQRT        vd_sqrt
+#define LOG1P(x)    ((skf_vd)_ZGVdN4v_log1p((__m256d)(x)))
+#define EXP(x)      ((skf_vd)_ZGVdN4v_exp((__m256d)(x)))
+#define ATAN(x)     ((skf_vd)_ZGVdN4v_atan((__m256d)(x)))
+#define ATAN2(y, x) ((skf_vd)_ZGVdN4vv_atan2((__m256d)(y), (__m256d)(x)))
+#define SIN         sin
+#define COS         cos
+#include "formula.h"
+#endif
+
+#ifdef SKF_HAVE_SLEEF
+#define V           skf_vd
+#define REAL        double
+#define NAME(x)     sleef_##x
+#define LOAD        vd_load
+#define STORE       vd_store
+#define OUT         F
+#define SQRT        vd_sqrt
+#define LOG1P(x)    ((skf_vd)Sleef_log1pd4_u10avx2((__m256d)(x)))
+#define EXP(x)      ((skf_vd)Sleef_expd4_u10avx2((__m256d)(x)))
+#define ATAN(x)     ((skf_vd)Sleef_atand4_u10avx2((__m256d)(x)))
+#define ATAN2(y, x) ((skf_vd)Sleef_atan2d4_u10avx2((__m256d)(y), (__m256d)(x)))
+#define SIN         sin
+#define COS         cos
+#include "formula.h"
+#endif
+
+static const struct {
+  const char *name;
+  const library *library;
+} libraries[] = {
+    {"libm", &libm_library},
+#ifdef SKF_HAVE_LIBMVEC
+    {"glibc", &glibc_library},
 #endif
 #ifdef SKF_HAVE_SLEEF
-static skf_vd sleef_log(skf_vd x) { return (skf_vd)Sleef_logd4_u10avx2((__m256d)x); }
-static skf_vd sleef_atan(skf_vd x) { return (skf_vd)Sleef_atand4_u10avx2((__m256d)x); }
-#else
-static const vector_function sleef_log = NULL, sleef_atan = NULL;
+    {"SLEEF", &sleef_library},
 #endif
+};
+enum { LIBRARIES = sizeof libraries / sizeof *libraries };
+
+static double now(clockid_t clock) {
+  struct timespec t;
+  clock_gettime(clock, &t);
+  return (double)t.tv_sec * 1e9 + (double)t.tv_nsec;
+}
+static double cpu(void) { return now(CLOCK_THREAD_CPUTIME_ID); }
+static void keep(double *best, double ns) { *best = fmin(*best, ns); }
+
+/* ns of a cycle, by a chain of additions. The clock now and then jumps: not the least of all, but of nine tenths. */
+enum { SAMPLES = 200 };
+static double samples[SAMPLES], cycle_ns, read_ns = INFINITY;
+static int ascending(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+static void calibrate(void) {
+  enum { CHAIN = 4000 };
+  for (int k = 0; k < SAMPLES; k++) {
+    double t = cpu();
+    keep(&read_ns, cpu() - t);
+    unsigned long a = 1;
+    t = cpu();
+    for (int i = 0; i < CHAIN; i++) {
+      __asm__ volatile("add $1, %0\n add $1, %0\n add $1, %0\n add $1, %0\n add $1, %0" : "+r"(a));
+    }
+    samples[k] = (cpu() - t - read_ns) / (5 * CHAIN);
+  }
+  qsort(samples, SAMPLES, sizeof *samples, ascending);
+  cycle_ns = samples[SAMPLES / 10];
+}
 
 static skf_primitive unit(skf_shape shape, bool circle) {
   skf_primitive s = {.shape = shape};
   switch (shape) {
-  case SKF_POINT: s.point.at = v3(0, 0, 0); break;
-  case SKF_SEGMENT: s.segment = (skf_segment){{-1, 0, 0}, {1, 0, 0}}; break;
-  case SKF_ARC: s.arc = (skf_arc){{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1, circle ? 2 * SKF_PI : 2}; break;
+  case SKF_SEGMENT: s.segment = (skf_segment){{-1, 0, 0}, {1, 0.1, 0}}; break;
+  case SKF_ARC: /* symmetric to the x axis */
+    s.arc = (skf_arc){{0, 0, 0}, {0, 0, 1}, {cos(1), -sin(1), 0}, 1, circle ? 2 * SKF_PI : 2};
+    break;
   case SKF_TRIANGLE: s.triangle = (skf_triangle){{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0.2}}}; break;
-  default: s.plane = (skf_plane){{0, 0, 0}, {0, 0, 1}};
+  case SKF_PLANE: s.plane = (skf_plane){{0, 0, 0}, {0, 0, 1}}; break;
+  default: break;
   }
   return s;
-}
-
-/* Whether some elements of this pair have a vector form */
-static bool has_form(skf_kernel_type type, skf_shape at) {
-  const skf_batch_ops *ops = skf_batch_get(skf_isa_pick());
-#define X(name, kernel, shape, fits)                                                                                   \
-  if (type == (kernel) && at == (shape) && ops->form[SKF_FORM_##name].add) return true;
-  SKF_BATCH_FORMS(X)
-#undef X
-  return false;
 }
 
 static skf_field *make(const char *isa, const skf_element *e, size_t n) {
@@ -90,64 +166,209 @@ static skf_field *make(const char *isa, const skf_element *e, size_t n) {
   return f;
 }
 
-static void keep(double *best, double started) { *best = fmin(*best, (omp_get_wtime() - started) / POINTS * 1e9); }
-
-static void field(const skf_field *f, double *best) {
+static void eval(const skf_field *f, size_t n) {
   const double *const in[3] = {p[0], p[1], p[2]};
-  double *const out[3] = {g[0], g[1], g[2]}, t = omp_get_wtime();
-  skf_field_eval(f, POINTS, in, F, out, NULL);
-  keep(best, t);
+  double *const g[3] = {F[1], F[2], F[3]};
+  skf_field_eval(f, n, in, F[0], g, NULL);
 }
 
-static void formula(textbook line, vector_function f, double s, double *best) {
-  if (!f) return;
-  double t = omp_get_wtime();
-  line(f, s);
-  keep(best, t);
-}
+/* Largest relative errors of F and the gradient */
+typedef struct error {
+  double F, g;
+} error;
 
-static void row(const char *name, skf_kernel kernel, const skf_element *e, size_t n) {
-  skf_shape shape = e->primitive.shape;
-  textbook line = shape != SKF_SEGMENT ? NULL : kernel.type == SKF_INVERSE ? inverse_segment : cauchy_segment;
-  bool log = kernel.type == SKF_INVERSE;
-  double scalar = INFINITY, vector = INFINITY, glibc = INFINITY, sleef = INFINITY;
-  skf_field *a = make("scalar", e, n), *b = make("avx2", e, n);
-  for (int r = 0; r < RUNS; r++) {
-    field(a, &scalar);
-    field(b, &vector);
-    if (line) formula(line, log ? glibc_log : glibc_atan, kernel.param, &glibc);
-    if (line) formula(line, log ? sleef_log : sleef_atan, kernel.param, &sleef);
+static error compare(void) {
+  error e = {0, 0};
+  for (int i = 0; i < POINTS; i++) {
+    long double d = 0, g = 0;
+    for (int k = 1; k < 4; k++) {
+      d += (F[k][i] - exact[k][i]) * (F[k][i] - exact[k][i]);
+      g += exact[k][i] * exact[k][i];
+    }
+    e.F = fmax(e.F, (double)fabsl((F[0][i] - exact[0][i]) / exact[0][i]));
+    e.g = fmax(e.g, (double)sqrtl(d / g));
   }
-  double per = (double)n;
-  printf("%-16s %-12s %8.1f %8.2f %7.1fx", skf_kernel_get(kernel.type)->name, name, scalar / per, vector / per,
-         scalar / vector);
-  if (isfinite(glibc)) printf("   glibc %.2f (%.2fx)", glibc, glibc / vector);
-  if (isfinite(sleef)) printf("   SLEEF u10 %.2f (%.2fx)", sleef, sleef / vector);
+  return e;
+}
+
+static int formula_of(const skf_element *e) {
+  if (e->primitive.shape == SKF_ARC && e->primitive.arc.sweep > 6) return -1;
+  for (int i = 0; i < FORMULAS; i++)
+    if (formulas[i].kernel == e->kernel.type && formulas[i].shape == e->primitive.shape) return i;
+  return -1;
+}
+
+static void title(const char *name, const skf_element *e) {
+  printf("%-16s %-12s", skf_kernel_get(e->kernel.type)->name, name);
+}
+
+static void table_row(const char *name, const skf_element *e, size_t n) {
+  double scalar = INFINITY, vector = INFINITY, other[LIBRARIES], per = POINTS * (double)n;
+  int formula = n == 1 ? formula_of(e) : -1;
+  skf_field *a = make("scalar", e, n), *b = make("avx2", e, n);
+  for (int i = 0; i < LIBRARIES; i++) libraries[i].library->prepare(e), other[i] = INFINITY;
+  for (int r = 0; r < RUNS; r++) {
+    double t = cpu();
+    eval(b, POINTS);
+    keep(&vector, cpu() - t - read_ns);
+    for (int i = 0; i < LIBRARIES && formula >= 0; i++) {
+      t = cpu();
+      libraries[i].library->run[formula](POINTS);
+      keep(other + i, cpu() - t - read_ns);
+    }
+    if (r % 16) continue;
+    t = cpu();
+    eval(a, POINTS / 8);
+    keep(&scalar, (cpu() - t - read_ns) * 8);
+  }
+  calibrate();
+  title(name, e);
+  printf(" %8.1f %8.2f %7.2f %7.1f", scalar / per, vector / per, vector / per / cycle_ns, scalar / vector);
+  if (formula >= 0) {
+    exact_library.prepare(e);
+    exact_library.run[formula](POINTS);
+    for (int i = 0; i < LIBRARIES; i++) printf("  %7.2f", other[i] / vector);
+    eval(b, POINTS);
+    error own = compare();
+    printf("  %7.1e %7.1e", own.F, own.g);
+    for (int i = 0; i < LIBRARIES; i++) {
+      libraries[i].library->run[formula](POINTS);
+      error his = compare();
+      printf("  %7.1e %7.1e", his.F, his.g);
+    }
+  }
   printf("\n");
   skf_field_free(a);
   skf_field_free(b);
 }
 
+/* Whether the element has a vector form */
+static bool has_form(const skf_element *e) {
+  skf_prepared q;
+  skf_prepare(e, &q);
+  return skf_batch_form_of(skf_batch_get(skf_isa_pick()), &q) != SKF_FORM_COUNT;
+}
+
+static void table(void) {
+  printf("ns per value and gradient: closed form, vector form, its cycles and ratio; how many times longer the same "
+         "formula takes\nwith each library; largest relative errors of F and gradient: ours and theirs\n");
+  printf("%-29s %8s %8s %7s %7s", "", "closed", "vector", "cycles", "ratio");
+  for (int i = 0; i < LIBRARIES; i++) printf("  %7s", libraries[i].name);
+  printf("  %15s", "errors");
+  for (int i = 0; i < LIBRARIES; i++) printf("  %15s", libraries[i].name);
+  printf("\n");
+  for (int k = 0; k < SKF_KERNEL_COUNT; k++)
+    for (int s = 0; s < SKF_SHAPE_COUNT; s++)
+      for (int circle = 0; circle <= (s == SKF_ARC); circle++) {
+        skf_element e[64] = {{unit((skf_shape)s, circle), {.type = (skf_kernel_type)k, .param = 1.5}, 1}};
+        char many[32];
+        if (!has_form(e)) continue;
+        table_row(circle ? "circle" : skf_shape_get((skf_shape)s)->name, e, 1);
+        if (s != SKF_POINT && !(k == SKF_INVERSE && (s == SKF_SEGMENT || s == SKF_TRIANGLE))) continue;
+        for (int i = 1; i < 64; i++) {
+          e[i] = e[0];
+          if (s == SKF_POINT) e[i].primitive.point.at.x += 0.01 * i;
+          if (s == SKF_SEGMENT) e[i].primitive.segment.from.z += 0.01 * i;
+          if (s == SKF_TRIANGLE) e[i].primitive.triangle.vertices[0].z += 0.01 * i;
+        }
+        snprintf(many, sizeof many, "64 %ss", skf_shape_get((skf_shape)s)->name);
+        table_row(many, e, 64);
+      }
+}
+
+/* The goals of the design: pairs whose costs beside the kernel are reported too. */
+static const struct {
+  skf_kernel_type kernel;
+  skf_shape shape;
+} chosen[] = {{SKF_INVERSE, SKF_POINT},  {SKF_QUARTIC, SKF_POINT}, {SKF_INVERSE, SKF_SEGMENT},
+              {SKF_CAUCHY, SKF_SEGMENT}, {SKF_CAUCHY, SKF_ARC},    {SKF_INVERSE, SKF_TRIANGLE}};
+enum { CHOSEN = sizeof chosen / sizeof *chosen };
+
+static skf_element body(int i) {
+  return (skf_element){unit(chosen[i].shape, false), {.type = chosen[i].kernel, .param = 1.5}, 1};
+}
+
+/* A call for one point, and the form alone on the points that it is padded to */
+static void one_point(void) {
+  enum { CALLS = 64 };
+  printf("\nbatch of one point, ns: call, kernel, the rest; skf_field_at\n");
+  for (int i = 0; i < CHOSEN; i++) {
+    skf_element e = body(i);
+    skf_field *f = make("avx2", &e, 1);
+    skf_prepared q;
+    skf_batch b;
+    skf_vec3 g;
+    double call = INFINITY, kernel = INFINITY, at = INFINITY, total = 0;
+    const double *const in[3] = {p[0], p[1], p[2]};
+    double *const out[4] = {F[0], F[1], F[2], F[3]};
+    skf_prepare(&e, &q);
+    if (skf_batch_new(skf_batch_get(skf_isa_pick()), &q, 1, &b)) exit(1);
+    for (int r = 0; r < RUNS; r++) {
+      double t = cpu();
+      for (int k = 0; k < CALLS; k++) eval(f, 1);
+      keep(&call, (cpu() - t - read_ns) / CALLS);
+      t = cpu();
+      for (int k = 0; k < CALLS; k++) b.ops->form[b.tile->form].one(b.tile, SKF_BATCH_PAD, in, out);
+      keep(&kernel, (cpu() - t - read_ns) / CALLS);
+      t = cpu();
+      for (int k = 0; k < CALLS; k++) total += skf_field_at(f, v3(p[0][k], p[1][k], p[2][k]), &g);
+      keep(&at, (cpu() - t - read_ns) / CALLS);
+    }
+    title(skf_shape_get(chosen[i].shape)->name, &e);
+    printf(" %8.0f %8.0f %8.0f %8.0f\n", call, kernel, call - kernel, total > 0 ? at : 0);
+    skf_batch_free(&b);
+    skf_field_free(f);
+  }
+}
+
+/* Many points, in main memory and by two threads: CPU time of one, wall-clock time of both */
+static void large(void) {
+  enum { REPEAT = 7 };
+  double *room = malloc(7 * (size_t)HUGE_POINTS * sizeof *room);
+  if (!room) return;
+  for (size_t i = 0; i < 3 * (size_t)HUGE_POINTS; i++) room[i] = p[i % 3][i / 3 % POINTS];
+  for (size_t i = 3 * (size_t)HUGE_POINTS; i < 7 * (size_t)HUGE_POINTS; i++) room[i] = 0;
+  const double *const in[3] = {room, room + HUGE_POINTS, room + 2 * (size_t)HUGE_POINTS};
+  double *const out[4] = {room + 3 * (size_t)HUGE_POINTS, room + 4 * (size_t)HUGE_POINTS,
+                          room + 5 * (size_t)HUGE_POINTS, room + 6 * (size_t)HUGE_POINTS};
+  printf("\nns per point, %d and 16384 points: CPU time of one thread; wall-clock time of one and of two, speed-up\n",
+         HUGE_POINTS);
+  for (int i = 0; i < CHOSEN; i++) {
+    skf_element e = body(i);
+    skf_field *f = make("avx2", &e, 1);
+    double ns[2][2] = {{INFINITY, INFINITY}, {INFINITY, INFINITY}}, own[2] = {INFINITY, INFINITY};
+    for (int r = 0; r < REPEAT * 8; r++)
+      for (int k = 0; k < 4; k++) {
+        size_t n = k / 2 ? 16384 : HUGE_POINTS;
+        if (n == HUGE_POINTS && r % 8) continue;
+        omp_set_num_threads(k % 2 + 1);
+        double t = now(CLOCK_MONOTONIC), c = cpu();
+        skf_field_eval(f, n, in, out[0], out + 1, NULL);
+        if (k % 2 == 0) keep(own + k / 2, (cpu() - c) / (double)n);
+        keep(&ns[k / 2][k % 2], (now(CLOCK_MONOTONIC) - t) / (double)n);
+      }
+    title(skf_shape_get(chosen[i].shape)->name, &e);
+    for (int k = 0; k < 2; k++) printf(" %8.2f %8.2f %8.2f %6.2fx   ", own[k], ns[k][0], ns[k][1], ns[k][0] / ns[k][1]);
+    printf("\n");
+    skf_field_free(f);
+  }
+  omp_set_num_threads(1);
+  free(room);
+}
+
 int main(void) {
-  const skf_batch_ops *ops = skf_batch_get(skf_isa_pick());
-  if (ops == &skf_batch_scalar) return puts("no vector forms on this machine") < 0;
+  if (skf_batch_get(skf_isa_pick()) == &skf_batch_scalar) return puts("no vector forms on this machine") < 0;
   omp_set_num_threads(1);
   unsigned long long seed = 1;
   for (int k = 0; k < 3; k++)
-    for (int i = 0; i < POINTS; i++) {
+    for (int i = 0; i < POINTS + PAD; i++) {
       seed = seed * 6364136223846793005u + 1442695040888963407u;
       p[k][i] = 3 * ((double)(seed >> 11) * 0x1p-53) - 1.5;
     }
-  printf("ns per value and gradient%14s %8s %8s   textbook formula\n", "closed", "AVX2", "ratio");
-  for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
-      skf_kernel kernel = {(skf_kernel_type)k, 1.5};
-      if (!has_form(kernel.type, (skf_shape)s)) continue;
-      skf_element one = {unit((skf_shape)s, kernel.type == SKF_INVERSE), kernel, 1}, many[64];
-      row(s == SKF_ARC && kernel.type == SKF_INVERSE ? "circle" : skf_shape_get((skf_shape)s)->name, kernel, &one, 1);
-      if (s != SKF_POINT) continue;
-      for (int i = 0; i < 64; i++) many[i] = one, many[i].primitive.point.at = v3(0.01 * i, 0, 0);
-      row("64 points", kernel, many, 64);
-    }
+  calibrate();
+  table();
+  one_point();
+  large();
+  printf("\nclock %.2f GHz\n", 1 / cycle_ns);
   return 0;
 }

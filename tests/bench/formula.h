@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: MIT */
+/* Textbook formulas of F and its gradient, written once for every library of functions that bench_batch.c compares.
+   Included with NAME(x); REAL, a type of numbers; V, REAL or a vector of doubles; LOAD(p) and STORE(p, v); SQRT, LOG1P,
+   EXP, ATAN and ATAN2 on V; OUT, four arrays. Bodies are in general position but for the arc, which lies in z = 0 about
+   the origin, symmetric to the x axis. */
+
+typedef struct NAME(body) {
+  V a[3], b[3], u[3], L, s;              /* a point, or a segment's ends, direction, length; the kernel's parameter */
+  V v[3][3], m[3][3], l[3], n[3], twice; /* triangle: corners, outward normals and lengths of edges, normal, 2 area */
+  V R, cos, sin, tan;                    /* arc: radius, half the sweep's cosine and sine, tangent of a quarter */
+} NAME(body);
+
+static NAME(body) NAME(c);
+
+static inline V NAME(dot)(const V a[3], const V b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* log((S + L) / (S - L)), S = r0 + r1, S^2 - L^2 = 2 (r0 r1 + d0 d1) */
+static inline V NAME(edge)(V r0, V r1, V dot, V L) { return LOG1P(L * (r0 + r1 + L) / (r0 * r1 + dot)); }
+
+static inline void NAME(inverse_segment)(const NAME(body) * c, const V x[3], V out[4]) {
+  V d[3], e[3];
+  for (int k = 0; k < 3; k++) d[k] = x[k] - c->a[k], e[k] = x[k] - c->b[k];
+  V r0 = SQRT(NAME(dot)(d, d)), r1 = SQRT(NAME(dot)(e, e)), dot = NAME(dot)(d, e);
+  V w = -c->L / ((r0 * r1 + dot) * r0 * r1), w0 = w * r1, w1 = w * r0;
+  out[0] = NAME(edge)(r0, r1, dot, c->L);
+  for (int k = 0; k < 3; k++) out[1 + k] = w0 * d[k] + w1 * e[k];
+}
+
+static inline void NAME(cauchy_segment)(const NAME(body) * c, const V x[3], V out[4]) {
+  V d[3], e[3], s2 = c->s * c->s;
+  for (int k = 0; k < 3; k++) d[k] = x[k] - c->a[k];
+  V t = NAME(dot)(d, c->u), rest = c->L - t;
+  for (int k = 0; k < 3; k++) e[k] = d[k] - t * c->u[k];
+  V P = 1 + s2 * NAME(dot)(e, e), A = P + s2 * t * t, B = P + s2 * rest * rest, root = SQRT(P);
+  V all = 1 / (A * B * P), per_P = all * A * B, per_A = all * B * P, per_B = all * A * P;
+  V angle = (ATAN(c->s * t / root) + ATAN(c->s * rest / root)) * root * per_P / c->s;
+  V tA = t * per_A, tB = rest * per_B, ends = per_A * per_A - per_B * per_B;
+  V dP = per_P * (tA * (per_A + per_P) + tB * (per_B + per_P) + (tA + tB + 3 * angle) * per_P / 2) / -2;
+  out[0] = per_P * (tA + tB + angle) / 2;
+  for (int k = 0; k < 3; k++) out[1 + k] = ends * c->u[k] + 2 * s2 * dP * e[k];
+}
+
+/* [Wilson 1994; van Oosterom and Strackee 1983] */
+static inline void NAME(inverse_triangle)(const NAME(body) * c, const V x[3], V out[4]) {
+  V a[3][3], r[3], dot[3], J[3];
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++) a[i][k] = c->v[i][k] - x[k];
+  for (int i = 0; i < 3; i++) r[i] = SQRT(NAME(dot)(a[i], a[i])), dot[i] = NAME(dot)(a[i], a[(i + 1) % 3]);
+  for (int i = 0; i < 3; i++) J[i] = NAME(edge)(r[i], r[(i + 1) % 3], dot[i], c->l[i]);
+  V h = NAME(dot)(a[0], c->n), den = r[0] * r[1] * r[2] + dot[0] * r[2] + dot[1] * r[0] + dot[2] * r[1];
+  V solid = 2 * ATAN2(h * c->twice, den);
+  out[0] =
+      NAME(dot)(a[0], c->m[0]) * J[0] + NAME(dot)(a[1], c->m[1]) * J[1] + NAME(dot)(a[2], c->m[2]) * J[2] - h * solid;
+  for (int k = 0; k < 3; k++)
+    out[1 + k] = solid * c->n[k] - (c->m[0][k] * J[0] + c->m[1][k] * J[1] + c->m[2][k] * J[2]);
+}
+
+/* R times the integral of (a - b cos - c sin)^-2 over the angle, by the tangent of its half, and its derivatives. */
+static inline void NAME(cauchy_arc)(const NAME(body) * c, const V x[3], V out[4]) {
+  V s2 = c->s * c->s, R = c->R, b2 = 2 * R * s2, T = c->tan, co = c->cos, si = c->sin;
+  V a = 1 + s2 * (NAME(dot)(x, x) + R * R), bx = b2 * x[0], by = b2 * x[1], C = a * a - bx * bx - by * by;
+  V root = SQRT(C), m = a + bx, W2 = m * T - by, W1 = -(m * T) - by, D2 = a - bx * co - by * si, D1 = D2 + 2 * by * si;
+  V angle = ATAN2(root * (W2 - W1), C + W1 * W2), DD = D1 * D2, all = 1 / (root * DD * m);
+  V i1 = all * root * m * D2, i2 = all * root * m * D1, ic = all * DD * m, iC = ic * ic, im = all * root * DD;
+  V I = 2 * angle * ic, n2 = bx * si - by * co, n1 = -(bx * si) - by * co, G = (n2 * i2 - n1 * i1 + a * I) * iC;
+  V cq = 1 / (1 + T * T), k2 = root * im * cq * i2, k1 = root * im * cq * i1;
+  V P = k2 * W2 - k1 * W1, kd = (k2 + k1) * T, km = k2 - k1, PT = (P + angle) * iC;
+  V Ia = 2 * ic * (kd - a * PT), Ix = 2 * ic * (kd + bx * PT), Iy = 2 * ic * (by * PT - km);
+  V Ea = n1 * i1 * i1 - n2 * i2 * i2, Ex = si * (i2 + i1) + co * (n2 * i2 * i2 - n1 * i1 * i1);
+  V Ey = co * (i1 - i2) + si * (n2 * i2 * i2 + n1 * i1 * i1);
+  V fa = 2 * s2 * R * (Ea + I + a * Ia - 2 * a * G) * iC, fb = R * b2 * iC;
+  out[0] = R * G;
+  out[1] = fa * x[0] + fb * (Ex + a * Ix + 2 * bx * G);
+  out[2] = fa * x[1] + fb * (Ey + a * Iy + 2 * by * G);
+  out[3] = fa * x[2];
+}
+
+static inline void NAME(gaussian_point)(const NAME(body) * c, const V x[3], V out[4]) {
+  V d[3], s2 = c->s * c->s;
+  for (int k = 0; k < 3; k++) d[k] = x[k] - c->a[k];
+  out[0] = EXP(-(s2 * NAME(dot)(d, d)));
+  for (int k = 0; k < 3; k++) out[1 + k] = -2 * s2 * out[0] * d[k];
+}
+
+static V NAME(all)(REAL a) { return a - (V){0}; }
+static void NAME(vector)(V to[3], skf_vec3 a) {
+  for (int k = 0; k < 3; k++) to[k] = NAME(all)((REAL)v3_get(a, k));
+}
+static V NAME(unit)(V a[3]) {
+  V length = SQRT(NAME(dot)(a, a));
+  for (int k = 0; k < 3; k++) a[k] = a[k] / length;
+  return length;
+}
+static void NAME(cross)(const V a[3], const V b[3], V out[3]) {
+  for (int k = 0; k < 3; k++) out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* The constants of a body, for what follows */
+static void NAME(prepare)(const skf_element *e) {
+  const skf_primitive *q = &e->primitive;
+  NAME(body) *c = &NAME(c);
+  c->s = NAME(all)((REAL)e->kernel.param);
+  if (q->shape == SKF_POINT) NAME(vector)(c->a, q->point.at);
+  if (q->shape == SKF_SEGMENT) {
+    NAME(vector)(c->a, q->segment.from), NAME(vector)(c->b, q->segment.to);
+    for (int k = 0; k < 3; k++) c->u[k] = c->b[k] - c->a[k];
+    c->L = NAME(unit)(c->u);
+  }
+  if (q->shape == SKF_ARC) {
+    REAL half = (REAL)q->arc.sweep / 2, cosine = COS(half), sine = SIN(half);
+    c->R = NAME(all)((REAL)q->arc.radius);
+    c->cos = NAME(all)(cosine), c->sin = NAME(all)(sine), c->tan = NAME(all)(sine / (1 + cosine));
+  }
+  if (q->shape != SKF_TRIANGLE) return;
+  V t[3][3];
+  for (int i = 0; i < 3; i++) NAME(vector)(c->v[i], q->triangle.vertices[i]);
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++) t[i][k] = c->v[(i + 1) % 3][k] - c->v[i][k];
+  NAME(cross)(t[0], t[1], c->n);
+  c->twice = NAME(unit)(c->n);
+  for (int i = 0; i < 3; i++) {
+    c->l[i] = NAME(unit)(t[i]);
+    NAME(cross)(t[i], c->n, c->m[i]);
+  }
+}
+
+#define FORMULA_RUN(formula)                                                                                           \
+  static void NAME(run_##formula)(size_t n) {                                                                          \
+    const NAME(body) c = NAME(c);                                                                                      \
+    for (size_t i = 0; i < n; i += sizeof(V) == 32 ? 4 : 1) {                                                          \
+      V x[3] = {LOAD(p[0] + i), LOAD(p[1] + i), LOAD(p[2] + i)}, v[4];                                                 \
+      NAME(formula)(&c, x, v);                                                                                         \
+      for (int k = 0; k < 4; k++) STORE(OUT[k] + i, v[k]);                                                             \
+    }                                                                                                                  \
+  }
+FORMULA_RUN(inverse_segment)
+FORMULA_RUN(cauchy_segment)
+FORMULA_RUN(inverse_triangle)
+FORMULA_RUN(cauchy_arc)
+FORMULA_RUN(gaussian_point)
+#undef FORMULA_RUN
+
+static const library NAME(library) = {NAME(prepare),
+                                      {NAME(run_inverse_segment), NAME(run_cauchy_segment), NAME(run_inverse_triangle),
+                                       NAME(run_cauchy_arc), NAME(run_gaussian_point)}};
+#undef V
+#undef REAL
+#undef NAME
+#undef LOAD
+#undef STORE
+#undef OUT
+#undef SQRT
+#undef LOG1P
+#undef EXP
+#undef ATAN
+#undef ATAN2
+#undef SIN
+#undef COS
