@@ -52,17 +52,29 @@ static void fill(void) {
   }
 }
 
+/* Whether one of the elements has a form in `first` alone. */
+static bool missing(const skf_batch_ops *first, const skf_batch_ops *ops, size_t from, size_t count) {
+  for (size_t i = from; i < from + count; i++)
+    if (skf_batch_form_of(first, elements + i) != skf_batch_form_of(ops, elements + i)) return true;
+  return false;
+}
+
 static void compare(const skf_batch_ops *first, const skf_batch_ops *ops, const char *name) {
   static result a, b;
   const size_t sets[3] = {COPIES, ELEMENTS, 1}; /* pair after pair, all together, elements alone */
+  size_t compared = 0;
   for (int i = 0; i < 3; i++)
     for (size_t from = 0; from < ELEMENTS; from += i == 2 ? COPIES : sets[i]) {
+      if (missing(first, ops, from, sets[i])) continue;
+      compared++;
       evaluate(first, from, sets[i], POINTS, &a);
       evaluate(ops, from, sets[i], POINTS, &b);
       if (memcmp(&a, &b, sizeof a)) fail_msg("%s: elements from %zu on differ", name, from);
       evaluate(ops, from, sets[i], 1, &b);
       if (memcmp(&a, &b, sizeof a)) fail_msg("%s: elements from %zu on differ for single points", name, from);
     }
+  print_message("%s: %zu sets of elements\n", name, compared);
+  assert_true(compared > 20);
 }
 
 static void test_lanes(void **state) {
