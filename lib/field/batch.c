@@ -14,7 +14,7 @@ skf_form skf_batch_form_of(const skf_batch_ops *ops, const skf_prepared *e) {
   if (form == SKF_FORM_COUNT && type == (kernel) && at == (shape) && fits(e)) form = SKF_FORM_##name;
   SKF_BATCH_FORMS(X)
 #undef X
-  return form < SKF_FORM_COUNT && ops->form[form].add ? form : SKF_FORM_COUNT;
+  return form < SKF_FORM_COUNT && ops->form[form].columns ? form : SKF_FORM_COUNT;
 }
 
 static void fill(const skf_batch_form *form, const skf_prepared *e, double *column, size_t j) {

@@ -85,6 +85,22 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
   for (size_t k = 0; k < n; k++) row[k] = vd_set(column[k * SKF_TILE + j]);
 }
 
+#define skf_again_none(row, x) ((skf_vvalue){.good = vi_set(0)})
+
+/* A form that is one function. */
+#define SKF_BATCH_FORM(name, row_name, again)                                                                          \
+  typedef skf_v3d name##_state;                                                                                        \
+  SKF_INLINE name##_state name##_begin(const row_name##_row *row, skf_v3d x) { return row ? x : x; }                   \
+  SKF_INLINE skf_vvalue name##_end(const row_name##_row *row, const name##_state *x) { return name(row, *x); }         \
+  SKF_BATCH_LOOPS(name, row_name, again, 2, SKF_UNROLL_16)
+
+/* A form in two functions. `flight` vectors, even, have begun before the first ends. */
+#define SKF_BATCH_STAGED(name, row_name, again, flight) SKF_BATCH_LOOPS(name, row_name, again, flight, SKF_UNROLL_1)
+
+#ifdef SKF_VEC_FLOAT
+#include "field/batch_f32_loop.h"
+#else
+
 /* The constants of the elements from j on, one in each lane */
 SKF_INLINE void row_load(skf_vd *row, size_t n, const double *column, size_t j) {
 #pragma GCC unroll 128
@@ -161,18 +177,6 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
   for (size_t i = n; i < SKF_LANES; i++)
     if (!v->good[i]) v->good[i] = -1, v->F[i] = v->g.x[i] = v->g.y[i] = v->g.z[i] = 0;
 }
-
-#define skf_again_none(row, x) ((skf_vvalue){.good = vi_set(0)})
-
-/* A form that is one function. */
-#define SKF_BATCH_FORM(name, row_name, again)                                                                          \
-  typedef skf_v3d name##_state;                                                                                        \
-  SKF_INLINE name##_state name##_begin(const row_name##_row *row, skf_v3d x) { return row ? x : x; }                   \
-  SKF_INLINE skf_vvalue name##_end(const row_name##_row *row, const name##_state *x) { return name(row, *x); }         \
-  SKF_BATCH_LOOPS(name, row_name, again, 2, SKF_UNROLL_16)
-
-/* A form in two functions. `flight` vectors, even, have begun before the first ends. */
-#define SKF_BATCH_STAGED(name, row_name, again, flight) SKF_BATCH_LOOPS(name, row_name, again, flight, SKF_UNROLL_1)
 
 #define SKF_BATCH_LOOPS(name, row_name, again, flight, unroll)                                                         \
   typedef row_name##_row name##_row;                                                                                   \
@@ -297,4 +301,5 @@ static void batch_total(size_t n, const skf_batch_sum *sum, int k, double *out) 
 #define SKF_BATCH_ENTRY(name)                                                                                          \
   [SKF_FORM_##name] = {sizeof(name##_row) / sizeof(skf_vd) + 1, name##_pack, name##_one, name##_add, name##_at},
 
+#endif
 #endif

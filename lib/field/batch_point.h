@@ -35,14 +35,14 @@ SKF_INLINE skf_vvalue inverse_squared_point(const point_row *c, skf_v3d x) {
 SKF_INLINE skf_vvalue cauchy_point(const point_row *c, skf_v3d x) {
   skf_v3d d = vd3_sub(x, c->at);
   skf_vd w = vd3_dot(d, d), y = vd_fma(c->param2, w, vd_set(1)), q = vd_set(1) / y, h = q * q;
-  return point_result(d, h, vd_set(-4) * c->param2 * (h * q), y < vd_set(1e70));
+  return point_result(d, h, vd_set(-4) * c->param2 * (h * q), y < vd_set(SKF_PICK(1e70, 1e12)));
 }
 
 SKF_INLINE skf_vvalue gaussian_point(const point_row *c, skf_v3d x) {
   skf_v3d d = vd3_sub(x, c->at);
   skf_vd y = c->param2 * vd3_dot(d, d);
-  skf_vi inside = y < vd_set(700), beyond = (y > vd_set(800)) & (y < vd_set(INFINITY));
-  skf_vd h = (skf_vd)((skf_vi)vd_exp(-vd_min(y, vd_set(700))) & inside);
+  skf_vi inside = y < vd_set(VD_EXP_MAX), beyond = (y > vd_set(VD_EXP_ZERO)) & (y < vd_set(INFINITY));
+  skf_vd h = (skf_vd)((skf_vi)vd_exp(-vd_min(y, vd_set(VD_EXP_MAX))) & inside);
   return point_result(d, h, vd_set(-2) * c->param2 * h, inside | beyond);
 }
 

@@ -19,7 +19,7 @@ SKF_INLINE skf_vd span_gap3(skf_vd x, skf_vd sin) {
                              -2.7557319192011219e-6, 2.5052099244914114e-8, -1.6057701922579787e-10,
                              7.5493717041812434e-13};
   skf_vd y = x * x;
-  return vd_select(x > vd_set(1), x - sin, x * y * vd_horner(c, 7, y));
+  return vd_select(x > vd_set(1), x - sin, x * y * vd_horner(c, (int)SKF_PICK(7, 5), y));
 }
 
 /* 3 x - 4 sin x + sin(2 x) / 2 */
@@ -29,7 +29,7 @@ SKF_INLINE skf_vd span_gap5(skf_vd x, skf_vd sin, skf_vd cos) {
                              -2.5553150546482693e-5, 6.5713605853950083e-7,   -1.2526034550385296e-8,
                              1.8422554769880514e-10, -2.1483795670663544e-12, 1.894397855559886e-14};
   skf_vd y = x * x, large = vd_fma(sin, cos - vd_set(4), vd_set(3) * x);
-  return vd_select(x > vd_set(1.5), large, x * y * y * vd_horner(c, 9, y));
+  return vd_select(x > vd_set(1.5), large, x * y * y * vd_horner(c, (int)SKF_PICK(9, 7), y));
 }
 
 /* The arguments are N sin delta, N cos delta, N, N cos sigma, N sin sigma with sigma = t0 + t1. */

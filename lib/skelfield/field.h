@@ -115,7 +115,9 @@ SKF_API void skf_field_free(skf_field *field);
 SKF_API size_t skf_field_size(const skf_field *field);
 SKF_API const skf_element *skf_field_element(const skf_field *field, size_t i);
 
-/* Value [per kernel] and gradient with respect to p at one point; g may be NULL.
+/* Value [per kernel] and gradient with respect to p at one point; g may be NULL. Where at least two elements have the
+   same pair, and this pair a vector form, they are evaluated side by side (see skf_field_eval for the differences; with
+   SKELFIELD_ISA=scalar they are not); the sum loses nothing and does not depend on the instruction set.
    On a singular set: F = +-infinity and g = 0; see skf_pair_get. */
 SKF_API double skf_field_at(const skf_field *field, skf_vec3 p, skf_vec3 *g);
 
@@ -131,6 +133,24 @@ SKF_API double skf_field_tensor_at(const skf_field *field, skf_vec3 p, skf_vec3 
    SKELFIELD_ISA=scalar in the environment when the field is made they are the same bits. */
 SKF_API skf_status skf_field_eval(const skf_field *field, size_t n, const double *const p[3], double *F,
                                   double *const g[3], double *const h[6]);
+
+/* A field in floats, for pictures: points are given as x = origin + unit * p, so that bodies far from the origin, huge
+   or tiny, lose nothing: choose origin and unit [L] so that |p| of the points and the body is about 1. The elements are
+   brought into this frame in doubles. */
+typedef struct skf_field_f32 skf_field_f32;
+
+/* The field need not live on. SKF_ERR_RANGE (unit, origin) or SKF_ERR_NOMEM on failure. */
+SKF_API skf_status skf_field_f32_new(const skf_field *field, skf_vec3 origin, double unit, skf_field_f32 **out);
+SKF_API void skf_field_f32_free(skf_field_f32 *field);
+
+/* As skf_field_eval, in the field's own units: the gradient is per length of x, not of p. With AVX2 and FMA or AVX-512,
+   seven kernels at points, inverse and Cauchy kernels on segments, Cauchy arcs, circles of both and inverse triangles
+   are evaluated in floats, eight or sixteen points at once; everything else in doubles, then rounded.
+   Error, in units of 6e-8 = 2^-24: 16 (triangles 512) of |F| and of |g|, and what F and g change when the point moves
+   by 4 units of the largest coordinate |p| or vertex of the body; for sums, of the sum of the magnitudes. What exceeds
+   the range of floats becomes infinite or, below 1e-36 of the largest strength, 0. */
+SKF_API skf_status skf_field_f32_eval(const skf_field_f32 *field, size_t n, const float *const p[3], float *F,
+                                      float *const g[3]);
 
 /* How one kernel on one shape is evaluated. */
 typedef struct skf_pair_info {

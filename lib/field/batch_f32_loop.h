@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: MIT */
+/* The loops of the forms for floats: lanes are points. Included by batch_loop.h. */
+#ifndef SKF_FIELD_BATCH_F32_LOOP_H
+#define SKF_FIELD_BATCH_F32_LOOP_H
+
+#include "field/batch_f32.h"
+
+SKF_INLINE skf_v3d points_load(const float *const p[3], size_t i) {
+  return (skf_v3d){vd_load(p[0] + i), vd_load(p[1] + i), vd_load(p[2] + i)};
+}
+
+/* The lanes that are not good, by the closed form in doubles */
+static inline void lanes_closed(const skf_prepared *e, const skf_v3d *x, skf_vvalue *v) {
+  for (int i = 0; i < SKF_LANES; i++) {
+    skf_value c = {.F = 0};
+    if (v->good[i]) continue;
+    skf_element_value(e, v3(x->x[i], x->y[i], x->z[i]), 1, &c);
+    bool finite = c.F - c.F == 0;
+    v->F[i] = (float)c.F;
+    v->g.x[i] = finite ? (float)c.g.x : 0, v->g.y[i] = finite ? (float)c.g.y : 0, v->g.z[i] = finite ? (float)c.g.z : 0;
+  }
+}
+
+SKF_INLINE void sum_float(float *sum, skf_vd strength, skf_vd v, bool first) {
+  vd_store(sum, first ? strength * v : vd_fma(strength, v, vd_load(sum)));
+}
+
+static void batch_scale(size_t n, float scale, const float *F, const float *v, float *out) {
+  for (size_t i = 0; i < n; i += SKF_LANES) {
+    skf_vd f = vd_load(F + i), zero = vd_set(0), r = vd_set((double)scale) * vd_load(v + i);
+    if (v != F) r = vd_select(f - f == zero, r, zero);
+    if (n - i >= SKF_LANES)
+      vd_store(out + i, r);
+    else
+      memcpy(out + i, &r, (n - i) * sizeof(float));
+  }
+}
+
+#define SKF_BATCH_LOOPS(name, row_name, again, flight, unroll)                                                         \
+  typedef row_name##_row name##_row;                                                                                   \
+  static double *name##_pack(const skf_prepared *e, double *k) { return row_name##_pack(e, k); }                       \
+  static __attribute__((noinline, cold)) void name##_redo(const skf_tile *tile, size_t j, const float *const p[3],     \
+                                                          size_t i, skf_vvalue *v) {                                   \
+    const skf_v3d x = points_load(p, i);                                                                               \
+    name##_row row;                                                                                                    \
+    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+    skf_vvalue w = again(&row, x);                                                                                     \
+    v->F = vd_select(v->good, v->F, w.F);                                                                              \
+    v->g = vd3_select(v->good, v->g, w.g);                                                                             \
+    v->good |= w.good;                                                                                                 \
+    lanes_closed(tile->element[j], &x, v);                                                                             \
+  }                                                                                                                    \
+  SKF_INLINE void name##_step(const skf_tile *tile, size_t j, const name##_row *row, skf_vd strength,                  \
+                              const float *const p[3], size_t i, size_t n, float *const sum[4]) {                      \
+    name##_state s[flight];                                                                                            \
+    SKF_UNROLL_16 for (size_t u = 0; u < n; u++) s[u] = name##_begin(row, points_load(p, i + u * SKF_LANES));          \
+    SKF_UNROLL_16 for (size_t u = 0; u < n; u++) {                                                                     \
+      const size_t at = i + u * SKF_LANES;                                                                             \
+      skf_vvalue v = name##_end(row, s + u);                                                                           \
+      if (__builtin_expect(!vi_all(v.good), 0)) {                                                                      \
+        skf_vvalue w = v;                                                                                              \
+        name##_redo(tile, j, p, at, &w);                                                                               \
+        v = w;                                                                                                         \
+      }                                                                                                                \
+      sum_float(sum[0] + at, strength, v.F, j == 0);                                                                   \
+      sum_float(sum[1] + at, strength, v.g.x, j == 0);                                                                 \
+      sum_float(sum[2] + at, strength, v.g.y, j == 0);                                                                 \
+      sum_float(sum[3] + at, strength, v.g.z, j == 0);                                                                 \
+    }                                                                                                                  \
+  }                                                                                                                    \
+  static void name##_add(const skf_tile *tile, size_t n, const float *const p[3], float *const sum[4]) {               \
+    const float *const in[3] = {p[0], p[1], p[2]};                                                                     \
+    float *const out[4] = {sum[0], sum[1], sum[2], sum[3]};                                                            \
+    for (size_t j = 0; j < tile->count; j++) {                                                                         \
+      const skf_vd strength = vd_set(tile->column[j]);                                                                 \
+      size_t i = 0;                                                                                                    \
+      name##_row row;                                                                                                  \
+      row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                             \
+      for (; i + (flight)*SKF_LANES <= n; i += (flight)*SKF_LANES)                                                     \
+        name##_step(tile, j, &row, strength, in, i, flight, out);                                                      \
+      for (; i < n; i += SKF_LANES) name##_step(tile, j, &row, strength, in, i, 1, out);                               \
+    }                                                                                                                  \
+  }
+
+#define SKF_F32_ENTRY(name)                                                                                            \
+  .pack.form[SKF_FORM_##name] = {.columns = sizeof(name##_row) / sizeof(skf_vd) + 1, .pack = name##_pack},             \
+  .add[SKF_FORM_##name] = name##_add,
+
+#endif

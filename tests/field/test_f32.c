@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: MIT */
+/* Fields in floats against doubles: the error that field.h states, for every pair, in every frame, and for sums. */
+#include "check.h"
+#include "core/vec3.h"
+#include "random.h"
+#include "skelfield/field.h"
+#include <omp.h>
+#include <string.h>
+
+enum { POINTS = 600 };
+static const double ulp = 0x1p-24;
+
+static float p[3][POINTS], F[POINTS], g[3][POINTS];
+
+static skf_field *make(const skf_element *e, size_t n) {
+  skf_field *f;
+  assert_int_equal(skf_field_new(e, n, &f), SKF_OK);
+  return f;
+}
+
+static void eval(const skf_field *f, skf_vec3 origin, double unit) {
+  const float *const in[3] = {p[0], p[1], p[2]};
+  float *const out[3] = {g[0], g[1], g[2]};
+  skf_field_f32 *f32;
+  assert_int_equal(skf_field_f32_new(f, origin, unit, &f32), SKF_OK);
+  assert_int_equal(skf_field_f32_eval(f32, POINTS, in, F, out), SKF_OK);
+  skf_field_f32_free(f32);
+}
+
+static skf_vec3 local(int i) { return v3((double)p[0][i], (double)p[1][i], (double)p[2][i]); }
+
+/* In the frame of the element: a third anywhere, a third near the body, the rest on it or on its axis. */
+static void scatter(uint64_t *seed, const skf_primitive *at) {
+  for (int i = 0; i < POINTS; i++) {
+    skf_vec3 on = skf_primitive_point(at, rnd(seed, 0, 1), rnd(seed, 0, 1)), x = rnd_vec(seed, 2);
+    if (i % 3 == 1) x = v3_mad(on, pow(10, rnd(seed, -7, 1)), rnd_unit(seed));
+    if (i % 24 == 2) x = on;
+    for (int k = 0; k < 3; k++) p[k][i] = (float)v3_get(x, k);
+  }
+}
+
+/* How many times the allowed error; `moved`: by how much the point may be off [L]. */
+static double excess(const skf_field *f, skf_vec3 x, double moved, double units, double floor, int i) {
+  double h[6], H = 0;
+  skf_vec3 G, got = v3((double)g[0][i], (double)g[1][i], (double)g[2][i]);
+  double want = skf_field_tensor_at(f, x, &G, h);
+  if (!isfinite(want)) return 0; /* on the body, which is rounded too */
+  for (int k = 0; k < 6; k++) H += fabs(h[k]) * (k == 1 || k == 2 || k == 4 ? 2 : 1);
+  double slack = units * ulp * fabs(want) + moved * v3_norm(G) + moved * moved * H + floor;
+  double slack_g = units * ulp * v3_norm(G) + moved * H + floor;
+  return fmax(fabs((double)F[i] - want) / slack, v3_dist(got, G) / slack_g);
+}
+
+static void test_pairs(void **state) {
+  (void)state;
+  uint64_t seed = 31;
+  for (int k = 0; k < SKF_KERNEL_COUNT; k++)
+    for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
+      double worst = 0, units = s == SKF_TRIANGLE ? 512 : 16;
+      int repeats = s == SKF_TRIANGLE && k != SKF_INVERSE ? 1 : 9;
+      for (int n = 0; n < repeats; n++) {
+        skf_element e = {.kernel = {(skf_kernel_type)k, rnd(&seed, 0.3, 3), NULL}, .strength = 1};
+        rnd_primitive(&seed, (skf_shape)s, 1, &e.primitive);
+        scatter(&seed, &e.primitive);
+        skf_field *f = make(&e, 1);
+        eval(f, v3(0, 0, 0), 1);
+        for (int i = 0; i < POINTS; i++) {
+          skf_vec3 x = local(i);
+          double d = skf_primitive_distance(&e.primitive, x), size = fmax(v3_norm(x), 1.8), moved = 4 * ulp * size;
+          if (d < 8 * moved) continue; /* where the point ends up is anyone's guess */
+          worst = fmax(worst, excess(f, x, moved, units, 1e-36, i));
+        }
+        skf_field_free(f);
+      }
+      print_message("%-16s %-9s %.2f of the allowed error\n", skf_kernel_get((skf_kernel_type)k)->name,
+                    skf_shape_get((skf_shape)s)->name, worst);
+      assert_true(worst <= 1);
+    }
+}
+
+/* The same body and points a million lengths away and ten million times larger give the same floats, scaled. */
+static void test_frame(void **state) {
+  (void)state;
+  uint64_t seed = 32;
+  static float F0[POINTS], g0[3][POINTS];
+  for (int k = 0; k < SKF_KERNEL_COUNT; k++)
+    for (int s = 0; s < SKF_TRIANGLE; s++) {
+      double unit = 0x1p23;
+      skf_vec3 origin = v3(0x1p43, -0x1p42, 0x1p40); /* exact sums: vertices are rounded to multiples of 2^-20 */
+      skf_element e = {.kernel = {(skf_kernel_type)k, 1.5, NULL}, .strength = 1}, far;
+      rnd_primitive(&seed, (skf_shape)s, 1, &e.primitive);
+      skf_vec3 *at[2] = {&e.primitive.segment.from, &e.primitive.segment.to};
+      int vertices = s == SKF_SEGMENT ? 2 : 1; /* a point's and an arc's come first */
+      for (int i = 0; i < vertices; i++)
+        *at[i] =
+            v3(rint(at[i]->x * 0x1p20) * 0x1p-20, rint(at[i]->y * 0x1p20) * 0x1p-20, rint(at[i]->z * 0x1p20) * 0x1p-20);
+      far = e;
+      skf_vec3 *to[2] = {&far.primitive.segment.from, &far.primitive.segment.to};
+      for (int i = 0; i < vertices; i++) *to[i] = v3_mad(origin, unit, *at[i]);
+      if (s == SKF_ARC) far.primitive.arc.radius *= unit;
+      far.kernel.param *= skf_kernel_get(e.kernel.type)->compact ? unit : 1 / unit;
+      int power = (s == SKF_POINT ? 0 : 1) - (k == SKF_INVERSE ? 1 : k == SKF_INVERSE_SQUARED ? 2 : 0);
+      scatter(&seed, &e.primitive);
+      skf_field *near = make(&e, 1), *there = make(&far, 1);
+      eval(near, v3(0, 0, 0), 1);
+      memcpy(F0, F, sizeof F), memcpy(g0, g, sizeof g);
+      eval(there, origin, unit);
+      for (int i = 0; i < POINTS; i++) {
+        double scale = pow(unit, power), d = skf_primitive_distance(&e.primitive, local(i));
+        if (d < 1e-3 || !(fabs((double)F0[i]) > 1e-20)) continue;
+        check_close((double)F[i], scale * (double)F0[i], 4e-6);
+        for (int j = 0; j < 3; j++)
+          check_scaled((double)g[j][i], scale / unit * (double)g0[j][i], scale / unit * (fabs((double)F0[i]) / d),
+                       4e-5);
+      }
+      skf_field_free(near);
+      skf_field_free(there);
+    }
+}
+
+/* Strengths beyond the range of floats, both signs, many elements; any length of batch and number of threads. */
+static void test_sum(void **state) {
+  (void)state;
+  enum { N = 200 };
+  uint64_t seed = 33;
+  skf_element e[N];
+  static float F0[POINTS], g0[3][POINTS];
+  for (int i = 0; i < N; i++) {
+    skf_kernel_type kernel[4] = {SKF_CAUCHY, SKF_INVERSE, SKF_QUARTIC, SKF_GAUSSIAN};
+    e[i] = (skf_element){.kernel = {kernel[i % 4], 1.2, NULL}, .strength = 1e40 * rnd(&seed, -1, 1)};
+    rnd_primitive(&seed, i % 3 ? SKF_SEGMENT : SKF_POINT, 1, &e[i].primitive);
+  }
+  scatter(&seed, &e[0].primitive);
+  skf_field *f = make(e, N);
+  eval(f, v3(0, 0, 0), 1);
+  for (int i = 0; i < N; i++) e[i].strength *= 1e-40;
+  skf_field *small = make(e, N);
+  for (int i = 0; i < N; i++) e[i].strength = fabs(e[i].strength);
+  skf_field *sizes = make(e, N);
+  for (int i = 0; i < POINTS; i++) assert_true(!isfinite((double)F[i]) || fabs((double)F[i]) < 1e39);
+  eval(small, v3(0, 0, 0), 1);
+  for (int i = 0; i < POINTS; i++) {
+    double size = skf_field_at(sizes, local(i), NULL);
+    if (i % 3 == 0) check_scaled((double)F[i], skf_field_at(small, local(i), NULL), size, 32 * ulp);
+  }
+  memcpy(F0, F, sizeof F), memcpy(g0, g, sizeof g);
+  int threads = omp_get_max_threads();
+  omp_set_num_threads(3);
+  eval(small, v3(0, 0, 0), 1);
+  omp_set_num_threads(threads);
+  assert_memory_equal(F, F0, sizeof F);
+  assert_memory_equal(g, g0, sizeof g);
+  skf_field_f32 *f32;
+  assert_int_equal(skf_field_f32_new(small, v3(0, 0, 0), 1, &f32), SKF_OK);
+  for (size_t from = 0, n = 1; from < POINTS; from += n, n = 1 + n * 5 % 41) {
+    size_t length = n < POINTS - from ? n : POINTS - from;
+    const float *const in[3] = {p[0] + from, p[1] + from, p[2] + from};
+    float *const out[3] = {g[0] + from, NULL, g[2] + from};
+    memset(F + from, 0, length * sizeof *F);
+    assert_int_equal(skf_field_f32_eval(f32, length, in, F + from, out), SKF_OK);
+  }
+  assert_memory_equal(F, F0, sizeof F);
+  assert_memory_equal(g, g0, sizeof g);
+  skf_field_f32_free(f32);
+  assert_int_equal(skf_field_f32_new(small, v3(0, 0, 0), 0, &f32), SKF_ERR_RANGE);
+  assert_int_equal(skf_field_f32_new(small, v3(0, NAN, 0), 1, &f32), SKF_ERR_RANGE);
+  assert_null(f32);
+  skf_field_free(f);
+  skf_field_free(small);
+  skf_field_free(sizes);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_pairs), cmocka_unit_test(test_frame),
+                                     cmocka_unit_test(test_sum)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
