@@ -46,11 +46,12 @@ SKF_INLINE skf_vvalue gaussian_point(const point_row *c, skf_v3d x) {
   return point_result(d, h, vd_set(-2) * c->param2 * h, inside | beyond);
 }
 
-/* R^2 - |d|^2. Next to the rim the plain difference loses R^2 / q; there d and the squares are taken exactly. */
+/* R^2 - |d|^2. Next to the rim the plain difference loses R^2 / q; there d and the squares are taken exactly, but for
+   floats, where this is what rounding the point does. */
 SKF_INLINE skf_vd point_power(const point_row *c, skf_v3d x, skf_v3d d, skf_vd w) {
   skf_vd R = c->param, R2 = c->param2, q = R2 - w;
   skf_vi rim = vd_set(32) * vd_abs(q) < R2;
-  if (!vi_any(rim)) return q;
+  if ((int)SKF_PICK(0, 1) || !vi_any(rim)) return q;
   skf_v3d lo = vd3_lost(x, c->at, d);
   skf_vd pz = d.z * d.z, py = d.y * d.y, px = d.x * d.x;
   skf_vd s = R2 - px, t = s - py, last = t - pz;
