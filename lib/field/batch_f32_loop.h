@@ -53,8 +53,8 @@ static void batch_scale(size_t n, float scale, const float *F, const float *v, f
   SKF_INLINE void name##_step(const skf_tile *tile, size_t j, const name##_row *row, skf_vd strength,                  \
                               const float *const p[3], size_t i, size_t n, float *const sum[4]) {                      \
     name##_state s[flight];                                                                                            \
-    SKF_UNROLL_16 for (size_t u = 0; u < n; u++) s[u] = name##_begin(row, points_load(p, i + u * SKF_LANES));          \
-    SKF_UNROLL_16 for (size_t u = 0; u < n; u++) {                                                                     \
+    unroll for (size_t u = 0; u < n; u++) s[u] = name##_begin(row, points_load(p, i + u * SKF_LANES));                 \
+    unroll for (size_t u = 0; u < n; u++) {                                                                            \
       const size_t at = i + u * SKF_LANES;                                                                             \
       skf_vvalue v = name##_end(row, s + u);                                                                           \
       if (__builtin_expect(!vi_all(v.good), 0)) {                                                                      \
