@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenes and bodies that a command line names. */
 #include "cli.h"
+#include "adapt/polygon.h"
 #include <string.h>
 
 /* A finite mass on an infinite plane is legal, and surprising. */
@@ -16,7 +17,8 @@ static void warn(const char *path, const skf_scene *scene) {
 
 int cli_scene(const char *path, skf_scene **out) {
   skf_error e;
-  skf_status s = skf_scene_read(path, out, &e);
+  const skf_scene_hooks hooks = {.cut_rings = polygon_cutter()};
+  skf_status s = skf_scene_read_with(path, &hooks, out, &e);
   if (!s) return warn(path, *out), CLI_DONE;
   if (e.line > 0) return cli_fail(CLI_BAD, "%s:%ld: %s", path, e.line, e.text);
   return cli_fail(s == SKF_ERR_NOMEM ? CLI_FAILED : CLI_BAD, "%s: %s", path, e.text);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Entries of a skeleton that stand for several primitives; curves have a file of their own. */
+/* Entries of a skeleton that stand for several primitives; curves and polygons have files of their own. */
 #include "scene/skeleton.h"
 #include "core/alloc.h"
 #include "core/vec3.h"
@@ -10,7 +10,7 @@
 
 static const char points_form[] = "a list of points [x, y, z]";
 
-static skf_status keep_list(skf_reader *r, const skf_node *value, void *into) {
+skf_status skf_keep_points(skf_reader *r, const skf_node *value, void *into) {
   ((skf_entry *)into)->list = value;
   return skf_expect(r, value, SKF_NODE_LIST, "the points", points_form);
 }
@@ -31,6 +31,14 @@ static skf_status read_closed(skf_reader *r, const skf_node *value, void *into) 
   return s;
 }
 
+skf_status skf_read_points(skf_reader *r, const skf_node *list, skf_vec3 *out) {
+  const skf_key one = {.name = "a point", .type = SKF_KEY_VECTOR};
+  skf_status s = SKF_OK;
+  for (const skf_node *n = skf_node_first(&r->yaml, list); n && !s; n = skf_node_next(&r->yaml, n))
+    s = skf_read_vector(r, n, &one, out++);
+  return s;
+}
+
 /* The points of a list; the caller frees them. */
 static skf_status read_points(skf_reader *r, const skf_entry *e, int least, const char *what, skf_vec3 **out) {
   if (e->list->count < least)
@@ -38,11 +46,7 @@ static skf_status read_points(skf_reader *r, const skf_entry *e, int least, cons
                          least);
   *out = skf_alloc((size_t)e->list->count, sizeof **out);
   if (!*out) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
-  const skf_key one = {.name = "a point", .type = SKF_KEY_VECTOR};
-  skf_status s = SKF_OK;
-  size_t i = 0;
-  for (const skf_node *n = skf_node_first(&r->yaml, e->list); n && !s; n = skf_node_next(&r->yaml, n))
-    s = skf_read_vector(r, n, &one, *out + i++);
+  skf_status s = skf_read_points(r, e->list, *out);
   if (s) skf_free(*out);
   return s;
 }
@@ -74,26 +78,6 @@ static skf_status expand_polyline(skf_reader *r, const skf_entry *e, skf_pieces 
                           : "the last point equals the first, expected another one (closed joins them)");
   }
   skf_free(v);
-  return s;
-}
-
-static skf_status expand_polygon(skf_reader *r, const skf_entry *e, skf_pieces *into) {
-  skf_vec3 *v;
-  skf_status s = read_points(r, e, 3, "vertices of a polygon", &v);
-  if (s) return s;
-  size_t n = (size_t)e->list->count, where;
-  const char *why;
-  unsigned(*t)[3] = skf_alloc(n, sizeof *t);
-  s = t ? skf_polygon_triangulate(v, n, t, &why, &where) : SKF_ERR_NOMEM;
-  if (s == SKF_ERR_NOMEM)
-    skf_error_set(r->error, s, 0, "out of memory");
-  else if (s)
-    skf_error_set(r->error, s, line_of_entry(r, e->list, where),
-                  "%s (vertex %zu), expected a simple and planar polygon", why, where + 1);
-  for (size_t i = 0; i + 2 < n && !s; i++)
-    s = skf_add_piece(
-        r, e, &(skf_primitive){.shape = SKF_TRIANGLE, .triangle.vertices = {v[t[i][0]], v[t[i][1]], v[t[i][2]]}}, into);
-  skf_free(t), skf_free(v);
   return s;
 }
 
@@ -178,15 +162,10 @@ static const skf_key circle_keys[] = {
 };
 
 static const skf_key polyline_keys[] = {
-    {"points", "L", "two or more; three or more when closed", SKF_KEY_OTHER, true, .read = keep_list,
+    {"points", "L", "two or more; three or more when closed", SKF_KEY_OTHER, true, .read = skf_keep_points,
      .form = points_form},
     {"closed", NULL, "joins the last point to the first (default: false)", SKF_KEY_OTHER, .read = read_closed,
      .form = "true or false"},
-};
-
-static const skf_key polygon_keys[] = {
-    {"vertices", "L", "three or more, in order; within 1e-6 of its size in a plane", SKF_KEY_OTHER, true,
-     .read = keep_list, .form = points_form},
 };
 
 static const skf_key box_keys[] = {
@@ -207,8 +186,9 @@ static const skf_key mesh_keys[] = {
 const skf_compound skf_compounds[SKF_COMPOUND_COUNT] = {
     {{"circle", "a full circle, as one arc", circle_keys, 3}, expand_circle},
     {{"polyline", "segments from point to point", polyline_keys, 2}, expand_polyline},
-    {{"polygon", "a flat simple polygon without holes, convex or not, cut into triangles", polygon_keys, 1},
-     expand_polygon},
+    {{"polygon", "a flat simple polygon, convex or not, with or without holes, cut into triangles", skf_polygon_keys,
+      SKF_POLYGON_KEYS},
+     skf_expand_polygon},
     {{"bezier", "a cubic Bezier curve, as a chain of arcs within its tolerance", skf_bezier_keys, SKF_BEZIER_KEYS},
      skf_expand_bezier},
     {{"helix", "a helix, or a conical one, as a chain of arcs within its tolerance", skf_helix_keys, SKF_HELIX_KEYS},

@@ -12,7 +12,8 @@ typedef struct skf_reader {
   skf_yaml yaml;
   skf_error *error;
   skf_scene *scene;
-  const char *folder; /* file names are relative to it */
+  const char *folder;           /* file names are relative to it */
+  const skf_scene_hooks *hooks; /* never NULL */
   size_t material_count;
   skf_material *materials;
 } skf_reader;

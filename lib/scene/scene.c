@@ -113,11 +113,20 @@ static skf_status read_scene(skf_reader *r) {
 }
 
 skf_status skf_scene_parse(const char *text, size_t length, const char *folder, skf_scene **out, skf_error *error) {
+  return skf_scene_parse_with(text, length, folder, NULL, out, error);
+}
+
+skf_status skf_scene_parse_with(const char *text, size_t length, const char *folder, const skf_scene_hooks *hooks,
+                                skf_scene **out, skf_error *error) {
+  static const skf_scene_hooks none = {NULL};
   *out = NULL;
   if (error) *error = (skf_error){0};
   if (length > LARGEST)
     return skf_error_set(error, SKF_ERR_RANGE, 0, "larger than %d MB, expected a scene", LARGEST >> 20);
-  skf_reader r = {.error = error, .scene = skf_alloc(1, sizeof *r.scene), .folder = folder ? folder : "."};
+  skf_reader r = {.error = error,
+                  .scene = skf_alloc(1, sizeof *r.scene),
+                  .folder = folder ? folder : ".",
+                  .hooks = hooks ? hooks : &none};
   if (!r.scene) return skf_error_set(error, SKF_ERR_NOMEM, 0, "out of memory");
   *r.scene = (skf_scene){
       .G = 6.67430e-11, /* CODATA 2018 [m^3 kg^-1 s^-2] */
@@ -156,6 +165,10 @@ static skf_status slurp(const char *path, char **text, size_t *length, skf_error
 }
 
 skf_status skf_scene_read(const char *path, skf_scene **out, skf_error *error) {
+  return skf_scene_read_with(path, NULL, out, error);
+}
+
+skf_status skf_scene_read_with(const char *path, const skf_scene_hooks *hooks, skf_scene **out, skf_error *error) {
   *out = NULL;
   if (error) *error = (skf_error){0};
   char *text = NULL, *folder = skf_strdup(path);
@@ -164,7 +177,7 @@ skf_status skf_scene_read(const char *path, skf_scene **out, skf_error *error) {
   char *slash = strrchr(folder, '/');
   if (slash) slash[slash == folder] = 0;
   skf_status s = slurp(path, &text, &length, error);
-  if (!s) s = skf_scene_parse(text, length, slash ? folder : ".", out, error);
+  if (!s) s = skf_scene_parse_with(text, length, slash ? folder : ".", hooks, out, error);
   skf_free(text);
   skf_free(folder);
   return s;

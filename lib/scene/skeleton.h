@@ -12,6 +12,7 @@ typedef struct skf_entry {
   const char *name;            /* of its kind */
   const skf_node *kind, *map;  /* where the kind stands, and its parameters */
   const skf_node *list, *file; /* of a compound: its points, its mesh */
+  const skf_node *holes;       /* of a polygon, or NULL */
   bool closed;
   skf_vec3 control[4]; /* of a bezier, and its tolerance; 0: the default */
   double tolerance;
@@ -39,6 +40,14 @@ typedef struct skf_compound {
   skf_section section; /* offsets are into skf_entry */
   skf_status (*expand)(skf_reader *r, const skf_entry *e, skf_pieces *into);
 } skf_compound;
+
+/* Into the entry's list; a list of points into as many places. */
+skf_status skf_keep_points(skf_reader *r, const skf_node *value, void *entry);
+skf_status skf_read_points(skf_reader *r, const skf_node *list, skf_vec3 *out);
+
+enum { SKF_POLYGON_KEYS = 2 };
+extern const skf_key skf_polygon_keys[SKF_POLYGON_KEYS];
+skf_status skf_expand_polygon(skf_reader *r, const skf_entry *e, skf_pieces *into);
 
 enum { SKF_BEZIER_KEYS = 2, SKF_HELIX_KEYS = 8, SKF_SPIRAL_KEYS = 8 };
 extern const skf_key skf_bezier_keys[SKF_BEZIER_KEYS], skf_helix_keys[SKF_HELIX_KEYS], skf_spiral_keys[SKF_SPIRAL_KEYS];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Polygons cut into triangles by ears, best shape first [Meisters 1975: every simple polygon has two ears]. */
+#include "skelfield/polygon.h"
 #include "skeleton/shape.h"
 #include "core/alloc.h"
 #include <float.h>
@@ -89,34 +90,81 @@ static size_t clip(const outline *o, size_t *ring, unsigned (*triangles)[3]) {
   return o->n;
 }
 
-/* Projects, and refuses what is not planar; *where is the worst vertex. */
-static const char *flatten(const skf_vec3 *v, outline *o, size_t *where) {
+/* The plane of a polygon: seen along the axis that is nearest to its normal, which looks against it if `mirrored`. */
+typedef struct view {
+  int axis;
+  bool mirrored;
+  double extent, largest; /* of the outline, of all coordinates */
+} view;
+
+/* Refuses what is not planar; *where is the worst of all n vertices, the first `rim` of which are the outline. */
+static const char *find_plane(const skf_vec3 *v, size_t rim, size_t n, view *out, size_t *where) {
   skf_box box = box_empty();
-  double largest = 0, worst = 0;
-  for (size_t i = 0; i < o->n; i++) {
-    box = box_add(box, v[i]);
-    largest = fmax(largest, fmax(fabs(v[i].x), fmax(fabs(v[i].y), fabs(v[i].z))));
+  double worst = 0;
+  out->largest = 0;
+  for (size_t i = 0; i < n; i++) {
+    if (i < rim) box = box_add(box, v[i]);
+    out->largest = fmax(out->largest, fmax(fabs(v[i].x), fmax(fabs(v[i].y), fabs(v[i].z))));
   }
   double extent = fmax(box.hi.x - box.lo.x, fmax(box.hi.y - box.lo.y, box.hi.z - box.lo.z));
   if (!(extent > 0) || !isfinite(extent)) return "a polygon of zero area";
   skf_vec3 area = {0, 0, 0}, middle = {0, 0, 0};
-  for (size_t i = 0; i < o->n; i++) {
-    skf_vec3 a = v3_scale(1 / extent, v3_sub(v[i], v[0])), b = v3_scale(1 / extent, v3_sub(v[(i + 1) % o->n], v[0]));
+  for (size_t i = 0; i < rim; i++) {
+    skf_vec3 a = v3_scale(1 / extent, v3_sub(v[i], v[0])), b = v3_scale(1 / extent, v3_sub(v[(i + 1) % rim], v[0]));
     area = v3_add(area, v3_cross(a, b));
-    middle = v3_mad(middle, 1 / (double)o->n, a);
+    middle = v3_mad(middle, 1 / (double)rim, a);
   }
-  o->noise = largest / extent;
-  if (!(v3_norm(area) > 8e-16 * (1 + o->noise))) return "a polygon of zero area, or one that crosses itself";
-  skf_vec3 n = v3_unit(area), m = v3(fabs(n.x), fabs(n.y), fabs(n.z));
-  int axis = m.x >= m.y && m.x >= m.z ? 0 : m.y >= m.z ? 1 : 2;
-  bool mirrored = v3_get(n, axis) < 0;
-  for (size_t i = 0; i < o->n; i++) {
-    skf_vec3 a = v3_scale(1 / extent, v3_sub(v[i], v[0]));
-    double x = v3_get(a, (axis + 1) % 3), y = v3_get(a, (axis + 2) % 3), off = fabs(v3_dot(v3_sub(a, middle), n));
-    o->p[i] = mirrored ? (flat){y, x} : (flat){x, y};
+  if (!(v3_norm(area) > 8e-16 * (1 + out->largest / extent)))
+    return "a polygon of zero area, or one that crosses itself";
+  skf_vec3 normal = v3_unit(area), m = v3(fabs(normal.x), fabs(normal.y), fabs(normal.z));
+  out->axis = m.x >= m.y && m.x >= m.z ? 0 : m.y >= m.z ? 1 : 2;
+  out->mirrored = v3_get(normal, out->axis) < 0;
+  out->extent = extent;
+  for (size_t i = 0; i < n; i++) {
+    double off = fabs(v3_dot(v3_sub(v3_scale(1 / extent, v3_sub(v[i], v[0])), middle), normal));
     if (off > worst) worst = off, *where = i;
   }
   return worst > 1e-6 ? "a polygon that is not planar" : NULL; /* six digits in a file are enough */
+}
+
+static flat seen(const view *from, skf_vec3 a) {
+  double x = v3_get(a, (from->axis + 1) % 3), y = v3_get(a, (from->axis + 2) % 3);
+  return from->mirrored ? (flat){y, x} : (flat){x, y};
+}
+
+/* Projects. */
+static const char *flatten(const skf_vec3 *v, outline *o, size_t *where) {
+  view from;
+  const char *why = find_plane(v, o->n, o->n, &from, where);
+  if (why) return why;
+  o->noise = from.largest / from.extent;
+  for (size_t i = 0; i < o->n; i++) o->p[i] = seen(&from, v3_scale(1 / from.extent, v3_sub(v[i], v[0])));
+  return NULL;
+}
+
+skf_status skf_polygon_cut(const skf_vec3 *v, size_t rings, const size_t *sizes, skf_ring_cutter *cutter,
+                           unsigned (*triangles)[3], size_t *count, const char **why, size_t *where) {
+  const char *ignored;
+  size_t nowhere, n = 0;
+  if (!why) why = &ignored;
+  if (!where) where = &nowhere;
+  *why = NULL, *where = 0, *count = 0;
+  for (size_t k = 0; k < rings; n += sizes[k++])
+    if (sizes[k] < 3) return *why = "a ring with less than three vertices", *where = n, SKF_ERR_DEGENERATE;
+  if (rings < 1 || n > 0xffffffffu) return SKF_ERR_ARG;
+  for (size_t i = 0; i < n; i++)
+    if (!v3_finite(v[i])) return *where = i, *why = "a number is not finite", SKF_ERR_RANGE;
+  view from;
+  if ((*why = find_plane(v, sizes[0], n, &from, where))) return SKF_ERR_DEGENERATE;
+  double(*xy)[2] = skf_alloc(n, sizeof *xy);
+  if (!xy) return SKF_ERR_NOMEM;
+  for (size_t i = 0; i < n; i++) { /* as they are: the cutter may be exact */
+    flat p = seen(&from, v[i]);
+    xy[i][0] = p.x, xy[i][1] = p.y;
+  }
+  skf_status s = cutter((const double(*)[2])xy, rings, sizes, triangles, count, why, where);
+  skf_free(xy);
+  return s;
 }
 
 skf_status skf_polygon_triangulate(const skf_vec3 *v, size_t n, unsigned (*triangles)[3], const char **why,

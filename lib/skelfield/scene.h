@@ -4,6 +4,7 @@
 #define SKELFIELD_SCENE_H
 
 #include "skelfield/motion.h"
+#include "skelfield/polygon.h"
 #include "skelfield/render.h"
 #include "skelfield/surface.h"
 
@@ -77,12 +78,23 @@ typedef struct skf_scene {
   bool has_background;
 } skf_scene;
 
+/* What a scene may borrow of libraries that this one does not know. */
+typedef struct skf_scene_hooks {
+  skf_ring_cutter *cut_rings; /* cuts polygons; NULL: those without holes by skf_polygon_triangulate, others are refused
+                               */
+} skf_scene_hooks;
+
 /* Reads a scene file. On failure *out is NULL and *error, if given, tells what is wrong, where, and what was expected.
  */
 SKF_API skf_status skf_scene_read(const char *path, skf_scene **out, skf_error *error);
 /* The same from memory; file names in it are relative to `folder`. */
 SKF_API skf_status skf_scene_parse(const char *text, size_t length, const char *folder, skf_scene **out,
                                    skf_error *error);
+/* The same with hooks, which may be NULL. */
+SKF_API skf_status skf_scene_read_with(const char *path, const skf_scene_hooks *hooks, skf_scene **out,
+                                       skf_error *error);
+SKF_API skf_status skf_scene_parse_with(const char *text, size_t length, const char *folder,
+                                        const skf_scene_hooks *hooks, skf_scene **out, skf_error *error);
 SKF_API void skf_scene_free(skf_scene *scene);
 
 #ifdef __cplusplus

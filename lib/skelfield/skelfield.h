@@ -5,6 +5,7 @@
 
 #include "skelfield/core.h"
 #include "skelfield/skeleton.h"
+#include "skelfield/polygon.h"
 #include "skelfield/field.h"
 #include "skelfield/handles.h"
 #include "skelfield/ray.h"
