@@ -20,6 +20,7 @@ typedef struct skf_prepared {
   skf_primitive primitive;
   skf_kernel kernel;
   double strength;
+  bool moderate, scalable; /* see field/extreme.h; whether that serves the pair */
   union {
     skf_segment_plan segment;
     skf_arc_plan arc;

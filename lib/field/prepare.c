@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "field/extreme.h"
 #include "field/kernel.h"
 #include "skeleton/shape.h"
 
@@ -42,6 +43,8 @@ void skf_prepare(const skf_element *e, skf_prepared *out) {
   out->primitive = e->primitive;
   out->kernel = e->kernel;
   out->strength = e->strength;
+  out->scalable = e->kernel.type < SKF_KERNEL_COUNT && e->primitive.shape < SKF_SHAPE_COUNT;
+  out->moderate = skf_moderate(e);
   if (e->primitive.shape == SKF_SEGMENT) segment(&e->primitive.segment, &out->plan.segment);
   if (e->primitive.shape == SKF_ARC) arc(&e->primitive.arc, &out->plan.arc);
   if (e->primitive.shape == SKF_PLANE) plane(&e->primitive.plane, &out->plan.plane);

@@ -177,6 +177,50 @@ static void scaling(uint64_t *seed, const skf_element *e, skf_vec3 x) {
   (void)seed;
   scaled(e, x, 24); /* 1.7e7 */
   scaled(e, x, -24);
+  scaled(e, x, 240); /* 1e72: what is out of range only on the way to the result does not count */
+  scaled(e, x, -240);
+}
+
+/* Bodies and distances of any size, on the body's lines, which pass through the origin: nothing is NaN, alone or in a
+   batch, with the Hessian or without; next to a singular set F is infinite and the rest 0. */
+static void extreme(const skf_element *e, skf_vec3 x) {
+  enum { N = 5 };
+  skf_vec3 g;
+  double h[6], p[3][N], F[N], out[3][N];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < N; j++) p[i][j] = v3_get(x, i);
+  const double *const in[3] = {p[0], p[1], p[2]};
+  double *const to[3] = {out[0], out[1], out[2]};
+  skf_field *f;
+  if (skf_field_new(e, 1, &f)) return; /* too small to be told from nothing */
+  double one = skf_field_tensor_at(f, x, &g, h);
+  assert_int_equal(skf_field_eval(f, N, in, F, to, NULL), SKF_OK);
+  skf_field_free(f);
+  assert_false(isnan(one) || isnan(F[1]));
+  for (int i = 0; i < 3; i++) assert_false(isnan(v3_get(g, i)) || isnan(out[i][1]));
+  for (int i = 0; i < 6; i++) assert_false(isnan(h[i]));
+  for (int i = 0; i < 3 && isinf(one); i++) assert_true(v3_get(g, i) == 0);
+}
+
+static void test_extremes(void **state) {
+  (void)state;
+  static const skf_vec3 way[] = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {0.6, 0, 0.8}};
+  for (int k = 0; k < SKF_KERNEL_COUNT; k++)
+    for (int s = 0; s < SKF_SHAPE_COUNT; s++)
+      for (int size = -300; size <= 300; size += 20)
+        for (int d = -310; d <= 300; d += size ? 50 : 5)
+          for (int w = 0; w < 4; w++) {
+            double L = pow(10, size);
+            const skf_kernel_info *info = skf_kernel_get((skf_kernel_type)k);
+            skf_element e = {.kernel = {(skf_kernel_type)k, info->compact ? 2 * L : 1 / L, NULL}, .strength = 1};
+            skf_primitive *p = &e.primitive;
+            p->shape = (skf_shape)s;
+            if (s == SKF_SEGMENT) p->segment = (skf_segment){v3(-L, 0, 0), v3(L, 0, 0)};
+            if (s == SKF_ARC) p->arc = (skf_arc){v3(-L, 0, 0), v3(0, 0, 1), v3(1, 0, 0), L, d % 2 ? 1 : 2 * SKF_PI};
+            if (s == SKF_TRIANGLE) p->triangle = (skf_triangle){{v3(0, 0, 0), v3(L, 0, 0), v3(0, L, 0)}};
+            if (s == SKF_PLANE) p->plane.normal = v3(0, 0, 1);
+            extreme(&e, v3_scale(pow(10, d), way[w]));
+          }
 }
 
 static void test_scaling(void **state) {
@@ -248,6 +292,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_differences), cmocka_unit_test(test_laplace), cmocka_unit_test(test_splits),
       cmocka_unit_test(test_scaling),     cmocka_unit_test(test_motion),  cmocka_unit_test(test_limits),
+      cmocka_unit_test(test_extremes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
