@@ -9,7 +9,7 @@ skf_form skf_batch_form_of(const skf_batch_ops *ops, const skf_prepared *e) {
   skf_kernel_type type = e->kernel.type;
   skf_shape at = e->primitive.shape;
   skf_form form = SKF_FORM_COUNT;
-  if (!e->moderate) return form;
+  if (e->weight || !e->moderate) return form;
   if (!(fabs(e->strength) < 1e100)) return form; /* its product with a finite value is finite */
 #define X(name, kernel, shape, fits)                                                                                   \
   if (form == SKF_FORM_COUNT && type == (kernel) && at == (shape) && fits(e)) form = SKF_FORM_##name;

@@ -4,6 +4,7 @@
 #include "field/bound.h"
 #include "field/kernel.h"
 #include "core/vec3.h"
+#include "field/weight.h"
 
 /* By how much each shell is thicker than the last: quick, for tables, for regions. */
 #define COARSE 1.5
@@ -114,7 +115,7 @@ static skf_bound plane_bound(const skf_element *e, double near, double far) {
 
 skf_bound skf_element_bound(const skf_element *e, skf_vec3 center, double radius) {
   skf_bound b;
-  double w = e->strength, tight = 1 - 1e-12, loose = 1 + 1e-12; /* rounding of the sums */
+  double tight = 1 - 1e-12, loose = 1 + 1e-12; /* rounding of the sums */
   if (!skf_kernel_has_bound(e->kernel, e->primitive.shape)) {
     b = (skf_bound){-INFINITY, INFINITY, INFINITY, INFINITY, INFINITY};
   } else if (e->primitive.shape == SKF_PLANE) {
@@ -129,10 +130,13 @@ skf_bound skf_element_bound(const skf_element *e, skf_vec3 center, double radius
     if (skf_kernel_kinked(e->kernel, fmax(m.near - radius, 0), m.far + radius)) v.fourth = INFINITY;
     b = (skf_bound){tight * farthest, loose * v.value, v.slope, v.bend, v.fourth};
   }
-  double a = loose * fabs(w);
-  skf_bound out = {w * b.lo, w * b.hi, a * b.gradient, a * b.hessian, a * b.fourth};
-  if (w < 0) out.lo = w * b.hi, out.hi = w * b.lo;
-  if (w == 0) out = (skf_bound){0, 0, 0, 0, 0};
+  skf_weight_range w = skf_element_weights(e);
+  double a = loose * fmax(fabs(w.lo), fabs(w.hi));
+  if (a == 0) return (skf_bound){0, 0, 0, 0, 0};
+  skf_bound out = {.gradient = a * b.gradient, .hessian = a * b.hessian, .fourth = a * b.fourth};
+  out.lo = skf_weight_times(
+      w.lo, w.lo > 0 ? b.lo : b.hi); /* planes, whose field has any sign, have no profile: lo = hi there */
+  out.hi = skf_weight_times(w.hi, w.hi > 0 ? b.hi : b.lo);
   return out;
 }
 

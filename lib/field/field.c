@@ -18,7 +18,24 @@ static skf_status check(const skf_element *e) {
   skf_status s = skf_kernel_check(e->kernel, e->primitive.shape);
   if (s) return s;
   if (!isfinite(e->strength)) return SKF_ERR_RANGE;
+  if (e->profile) {
+    if (e->primitive.shape != SKF_SEGMENT && e->primitive.shape != SKF_ARC) return SKF_ERR_ARG;
+    if ((s = skf_profile_check(e->profile, NULL))) return s;
+  }
   return skf_primitive_check(&e->primitive, NULL);
+}
+
+/* The elements' profiles, copied and made ready. */
+static skf_status weigh(skf_field *f) {
+  for (size_t i = 0; i < f->n; i++) {
+    skf_weight *w;
+    if (!f->elements[i].profile) continue;
+    skf_status s = skf_weight_new(f->elements[i].profile, &w);
+    if (s) return s;
+    f->elements[i].profile = &w->profile;
+    f->prepared[i].weight = w;
+  }
+  return SKF_OK;
 }
 
 skf_status skf_field_new(const skf_element *elements, size_t n, skf_field **out) {
@@ -34,13 +51,15 @@ skf_status skf_field_new(const skf_element *elements, size_t n, skf_field **out)
   if (n) memcpy(f->elements, elements, n * sizeof *elements);
   for (size_t i = 0; i < n; i++) skf_prepare(elements + i, f->prepared + i);
   f->n = n;
-  skf_status s = skf_batch_new(skf_batch_get(skf_isa_pick()), f->prepared, n, &f->batch);
+  skf_status s = weigh(f);
+  if (!s) s = skf_batch_new(skf_batch_get(skf_isa_pick()), f->prepared, n, &f->batch);
   if (s) return skf_field_free(f), s;
   for (size_t i = 0; i < f->batch.tiles; i++) f->crowd |= skf_batch_full(f->batch.tile + i);
   return *out = f, SKF_OK;
 }
 
 void skf_field_free(skf_field *f) {
+  for (size_t i = 0; f && i < f->n; i++) skf_weight_free(f->prepared[i].weight);
   if (f) skf_free(f->elements), skf_free(f->prepared), skf_batch_free(&f->batch);
   skf_free(f);
 }

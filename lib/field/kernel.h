@@ -6,6 +6,7 @@
 #include "skelfield/field.h"
 #include "field/plan.h"
 #include "field/triangle_plan.h"
+#include "field/weight.h"
 
 /* Value, gradient and Hessian (xx, xy, xz, yy, yz, zz) of one primitive at one point; strength is not in them. */
 typedef struct skf_value {
@@ -21,6 +22,7 @@ typedef struct skf_prepared {
   skf_kernel kernel;
   double strength;
   bool moderate, scalable; /* see field/extreme.h; whether that serves the pair */
+  const skf_weight *weight; /* of a profile; NULL: none */
   union {
     skf_segment_plan segment;
     skf_arc_plan arc;
@@ -29,7 +31,7 @@ typedef struct skf_prepared {
   } plan;
 } skf_prepared;
 
-/* The primitive has been checked. */
+/* The primitive has been checked; `weight` is left NULL. */
 void skf_prepare(const skf_element *element, skf_prepared *out);
 
 /* The pair's closed form, or quadrature. *v arrives zeroed. */
@@ -43,6 +45,8 @@ typedef struct skf_kernel_ops {
   skf_kernel_info info;
   /* h and its first three derivatives with respect to w = r^2; d = 0 beyond a compact support */
   void (*eval)(double param, double w, double d[4]);
+  /* the same from w and q = R^2 - w, which carries the relative accuracy near the rim; compact kernels only */
+  void (*power)(double R, double w, double q, double d[4]);
   skf_closed closed[SKF_SHAPE_COUNT];    /* NULL: quadrature */
   const char *singular[SKF_SHAPE_COUNT]; /* where F is infinite or the gradient jumps, and what is returned */
 } skf_kernel_ops;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The registry of kernels. */
 #include "field/extreme.h"
+#include "field/profiled.h"
 #include "field/quadrature.h"
 #include <string.h>
 
@@ -46,11 +47,12 @@ int skf_kernel_breaks(skf_kernel k, double radii[SKF_KERNEL_BREAKS]) {
 
 void skf_element_value(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
   skf_closed closed = skf_kernel_row(e->kernel.type)->closed[e->primitive.shape];
+  if (closed && e->weight) closed = skf_profiled;
   (closed ? closed : skf_quadrature)(e, x, order, v);
   double sum = v->F + (v->g.x + v->g.y + v->g.z);
   for (int k = 0; k < 6 && order > 1; k++) sum += v->h[k];
   bool near = fmax(fabs(x.x), fmax(fabs(x.y), fabs(x.z))) < 1e50;
-  if (!(e->moderate && near && fabs(sum) < INFINITY) && e->scalable) skf_extreme_value(e, x, order, v);
+  if (!(e->moderate && near && fabs(sum) < INFINITY) && e->scalable && !e->weight) skf_extreme_value(e, x, order, v);
 }
 
 skf_pair_info skf_pair_get(skf_kernel_type kernel, skf_shape shape) {

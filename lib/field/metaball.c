@@ -193,6 +193,7 @@ const skf_kernel_ops skf_kernel_metaball = {
     .info = {"metaball", "1 - 3 r^2/R^2 (r <= R/3), 3/2 (1 - r/R)^2 (r <= R), 0",
              "finite support, once differentiable at R/3 and R", "R", "L", "radius of its support", true, false},
     .eval = eval,
+    .power = eval_power,
     .closed[SKF_POINT] = point,
     .closed[SKF_SEGMENT] = segment,
     .closed[SKF_ARC] = arc,

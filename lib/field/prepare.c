@@ -45,6 +45,7 @@ void skf_prepare(const skf_element *e, skf_prepared *out) {
   out->strength = e->strength;
   out->scalable = e->kernel.type < SKF_KERNEL_COUNT && e->primitive.shape < SKF_SHAPE_COUNT;
   out->moderate = skf_moderate(e);
+  out->weight = NULL;
   if (e->primitive.shape == SKF_SEGMENT) segment(&e->primitive.segment, &out->plan.segment);
   if (e->primitive.shape == SKF_ARC) arc(&e->primitive.arc, &out->plan.arc);
   if (e->primitive.shape == SKF_PLANE) plane(&e->primitive.plane, &out->plan.plane);

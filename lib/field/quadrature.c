@@ -101,18 +101,21 @@ typedef struct line {
   const skf_prepared *e;
   skf_vec3 w, a;
   double h2, delta;
+  const skf_weight_piece *piece; /* of the weight, between these abscissae; NULL: none */
+  double from, to;
 } line;
 
 static void line_at(const void *context, double u, double out[SIZE]) {
   const line *c = context;
-  double t = c->delta * sinh(u);
-  skf_integrand_set(c->e, v3_mad(c->w, -t, c->a), c->h2 + t * t, c->delta * cosh(u), out);
+  double t = c->delta * sinh(u), dt = c->delta * cosh(u), length = c->to - c->from;
+  if (c->piece) dt *= skf_weight_at(c->e->weight, c->piece, (t - c->from) / length, (c->to - t) / length);
+  skf_integrand_set(c->e, v3_mad(c->w, -t, c->a), c->h2 + t * t, dt, out);
 }
 
-void skf_quadrature_line(const skf_prepared *e, skf_vec3 w, skf_vec3 a, double h2, double lo, double hi,
-                         double out[SIZE]) {
+static void add_line(const skf_prepared *e, skf_vec3 w, skf_vec3 a, double h2, double lo, double hi,
+                     const skf_weight_piece *piece, double out[SIZE]) {
   double nearest = lo > 0 ? lo : hi < 0 ? -hi : 0, far = fmax(fabs(lo), fabs(hi));
-  line c = {e, w, a, h2, fmax(fmax(sqrt(h2), 1e-3 * nearest), 1e-15 * far)};
+  line c = {e, w, a, h2, fmax(fmax(sqrt(h2), 1e-3 * nearest), 1e-15 * far), piece, lo, hi};
   c.delta = fmax(c.delta, fmin(skf_kernel_grain(e->kernel), far));
   double breaks[2 * SKF_KERNEL_BREAKS + 3] = {0}, radii[SKF_KERNEL_BREAKS];
   int n = 1;
@@ -124,11 +127,18 @@ void skf_quadrature_line(const skf_prepared *e, skf_vec3 w, skf_vec3 a, double h
   skf_integrate(&(skf_integrand){line_at, &c}, n, breaks, out);
 }
 
+void skf_quadrature_line(const skf_prepared *e, skf_vec3 w, skf_vec3 a, double h2, double lo, double hi,
+                         double out[SIZE]) {
+  add_line(e, w, a, h2, lo, hi, NULL, out);
+}
+
 /* Along a circle, chi = delta sinh u from the nearest point */
 typedef struct circle {
   const skf_prepared *e;
   const skf_arc_frame *f;
   double delta, sign;
+  const skf_weight_piece *piece; /* of the weight; NULL: none */
+  double base, turn, from, to;   /* its azimuth is base + turn chi, between from and to */
 } circle;
 
 static void circle_at(const void *context, double u, double out[SIZE]) {
@@ -137,19 +147,21 @@ static void circle_at(const void *context, double u, double out[SIZE]) {
   double chi = c->delta * sinh(u), cs = cos(chi), sn = c->sign * sin(chi);
   double k = f->inner * cs * cs + f->outer * sn * sn, p = -2 * f->rho * sn * cs;
   skf_vec3 r = v3_mad(v3_mad(v3_scale(k * f->ux - p * f->uy, f->e), k * f->uy + p * f->ux, f->f), f->z, f->n);
-  skf_integrand_set(c->e, r, f->alpha * cs * cs + f->beta * sn * sn, 2 * f->rho * c->delta * cosh(u), out);
+  double dq = 2 * f->rho * c->delta * cosh(u), a = c->base + c->turn * chi, length = c->to - c->from;
+  if (c->piece) dq *= skf_weight_at(c->e->weight, c->piece, (a - c->from) / length, (c->to - a) / length);
+  skf_integrand_set(c->e, r, f->alpha * cs * cs + f->beta * sn * sn, dq, out);
 }
 
 /* chi in [lo, hi], a part of [0, pi / 2], on one side of x */
-static void quarter(const skf_prepared *e, const skf_arc_frame *f, double lo, double hi, double sign,
-                    double out[SIZE]) {
+static void quarter(circle c, double lo, double hi, double out[SIZE]) {
   if (!(lo < hi)) return;
+  const skf_arc_frame *f = c.f;
   double width = f->spread > f->alpha ? sqrt(f->alpha / f->spread) : 1;
-  circle c = {e, f, fmax(fmax(width, 1e-3 * lo), 1e-15 * hi), sign};
-  c.delta = fmax(c.delta, fmin(skf_kernel_grain(e->kernel) / (2 * f->rho), 1));
+  c.delta = fmax(fmax(width, 1e-3 * lo), 1e-15 * hi);
+  c.delta = fmax(c.delta, fmin(skf_kernel_grain(c.e->kernel) / (2 * f->rho), 1));
   double breaks[SKF_KERNEL_BREAKS + 2], radii[SKF_KERNEL_BREAKS];
   int n = 0;
-  for (int i = skf_kernel_breaks(e->kernel, radii) - 1; i >= 0; i--) {
+  for (int i = skf_kernel_breaks(c.e->kernel, radii) - 1; i >= 0; i--) {
     double s = radii[i], in = (s - f->da) * (s + f->da), beyond = (f->db - s) * (f->db + s);
     if (in > 0 && beyond > 0) breaks[n++] = asinh(atan2(sqrt(in), sqrt(beyond)) / c.delta);
   }
@@ -157,16 +169,32 @@ static void quarter(const skf_prepared *e, const skf_arc_frame *f, double lo, do
   skf_integrate(&(skf_integrand){circle_at, &c}, n, breaks, out);
 }
 
+/* The azimuths lo .. hi, halved, within -pi/2 .. 3 pi/2 from x */
+static void add_circle(const skf_prepared *e, const skf_arc_frame *f, double lo, double hi,
+                       const skf_weight_piece *piece, double out[SIZE]) {
+  const double q = SKF_PI / 2;
+  circle c = {.e = e, .f = f, .piece = piece, .from = lo, .to = hi};
+  c.base = 0, c.turn = c.sign = -1;
+  quarter(c, fmax(0, -hi), fmin(q, -lo), out); /* -pi/2 .. 0 */
+  c.turn = c.sign = 1;
+  quarter(c, fmax(0, lo), fmin(q, hi), out);
+  c.base = 2 * q, c.turn = c.sign = -1;
+  quarter(c, fmax(0, 2 * q - hi), fmin(q, 2 * q - lo), out); /* pi/2 .. pi */
+  c.turn = c.sign = 1;
+  quarter(c, fmax(0, lo - 2 * q), hi - 2 * q, out);
+}
+
 static bool arc(const skf_prepared *e, skf_vec3 x, double out[SIZE]) {
   skf_arc_frame f;
   skf_arc_place(e, x, &f);
   double lo = -0.5 * atan2(f.uy, f.ux), hi = lo + e->plan.arc.half, q = SKF_PI / 2;
-  if (f.full) lo = -q, hi = q;
+  if (f.full && !e->weight) lo = -q, hi = q;
   if (f.alpha == 0 && ((lo <= 0 && hi >= 0) || hi >= 2 * q) && skf_kernel_singular(e->kernel)) return false;
-  quarter(e, &f, fmax(0, -hi), fmin(q, -lo), -1, out); /* -pi/2 .. 0 */
-  quarter(e, &f, fmax(0, lo), fmin(q, hi), 1, out);
-  quarter(e, &f, fmax(0, 2 * q - hi), fmin(q, 2 * q - lo), -1, out); /* pi/2 .. pi */
-  quarter(e, &f, fmax(0, lo - 2 * q), hi - 2 * q, 1, out);
+  if (!e->weight) add_circle(e, &f, lo, hi, NULL, out);
+  for (size_t i = 0; e->weight && i < e->weight->n; i++) {
+    const skf_weight_piece *p = e->weight->piece + i;
+    add_circle(e, &f, lo + p->a * (hi - lo), lo + p->b * (hi - lo), p, out);
+  }
   return true;
 }
 
@@ -174,7 +202,11 @@ static bool segment(const skf_prepared *e, skf_vec3 x, double out[SIZE]) {
   skf_segment_frame f;
   skf_segment_place(e, x, &f);
   if (f.h == 0 && f.t0 <= 0 && f.t1 >= 0 && skf_kernel_singular(e->kernel)) return false;
-  skf_quadrature_line(e, f.w, f.a, f.h2, f.t0, f.t1, out);
+  if (!e->weight) add_line(e, f.w, f.a, f.h2, f.t0, f.t1, NULL, out);
+  for (size_t i = 0; e->weight && i < e->weight->n; i++) {
+    const skf_weight_piece *p = e->weight->piece + i;
+    add_line(e, f.w, f.a, f.h2, f.t0 + p->a * f.L, f.t1 - (1 - p->b) * f.L, p, out);
+  }
   return true;
 }
 

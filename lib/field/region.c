@@ -4,6 +4,7 @@
 #include "core/alloc.h"
 #include "core/vec3.h"
 #include "field/bound.h"
+#include "field/weight.h"
 
 /* Upper bound of F beyond the plane at `c` along axis i, on the positive (sign = 1) or negative side. */
 static double beyond(const skf_field *f, int i, double sign, double c) {
@@ -12,7 +13,8 @@ static double beyond(const skf_field *f, int i, double sign, double c) {
   *v3_at(&up, i) = sign;
   for (size_t k = 0; k < skf_field_size(f); k++) {
     const skf_element *e = skf_field_element(f, k);
-    if (e->strength > 0) sum += e->strength * skf_element_beyond(e, up, sign * c);
+    double most = skf_element_weights(e).hi;
+    if (most > 0) sum += most * skf_element_beyond(e, up, sign * c);
   }
   return sum;
 }
@@ -104,8 +106,9 @@ skf_status skf_field_region(const skf_field *field, double iso, skf_box *out) {
       plane = true;
       if (e->strength < 0 && skf_kernel_get(e->kernel.type)->singular) sup = INFINITY; /* it grows with distance */
     }
-    if (!(e->strength > 0)) continue;
-    sup += e->strength * skf_element_reach(e, 0).value;
+    double most = skf_element_weights(e).hi;
+    if (!(most > 0)) continue;
+    sup += most * skf_element_reach(e, 0).value;
     b = box_join(b, skf_primitive_bounds(&e->primitive));
     scale = fmax(scale, skf_kernel_width(e->kernel));
   }

@@ -7,6 +7,11 @@ static const skf_polynomial law = {5. / 9, 4. / 9};
 
 static void eval(double R, double w, double d[4]) { skf_polynomial_eval(law, R, R * R - w, d); }
 
+static void power(double R, double w, double q, double d[4]) {
+  (void)w;
+  skf_polynomial_eval(law, R, q, d);
+}
+
 static void point(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
   skf_polynomial_point(law, e, x, order, v);
 }
@@ -25,6 +30,7 @@ const skf_kernel_ops skf_kernel_soft_object = {
     .info = {"soft-object", "1 - 22/9 u^2 + 17/9 u^4 - 4/9 u^6, u = r/R (r <= R), 0",
              "finite support, polynomial in r^2", "R", "L", "radius of its support", true, false},
     .eval = eval,
+    .power = power,
     .closed[SKF_POINT] = point,
     .closed[SKF_SEGMENT] = segment,
     .closed[SKF_ARC] = arc,

@@ -46,10 +46,11 @@ static void join_axis(symmetry *s, skf_vec3 axis, skf_vec3 about) {
 static void join_body(symmetry *s, const skf_world_body *b) {
   size_t n = skf_field_size(b->is.field);
   for (size_t i = 0; i < n; i++) {
-    const skf_primitive *p = &skf_field_element(b->is.field, i)->primitive;
+    const skf_element *e = skf_field_element(b->is.field, i);
+    const skf_primitive *p = &e->primitive;
     skf_vec3 axis, about;
     if (p->shape == SKF_PLANE) continue;
-    if (axis_of(p, &axis, &about))
+    if (axis_of(p, &axis, &about) && !(e->profile && p->shape == SKF_ARC))
       join_axis(s, axis, about);
     else
       s->any = true, s->axial = s->point = false;

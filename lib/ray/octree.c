@@ -56,14 +56,14 @@ static outlook look_out(const skf_octree *t, skf_vec3 c, double radius, const sk
   *keep = 0;
   for (size_t i = 0; i < in->count; i++) {
     const skf_source *s = t->sources + in->list[i];
-    double d = skf_source_distance(s, c), w = fabs(s->weight);
+    double d = skf_source_distance(s, c), w = fmax(fabs(s->least), fabs(s->most));
     skf_grade g = skf_source_grade(s, fmax(d * (1 - 1e-12) - radius, 0), d * (1 + 1e-12) + radius);
     if (s->disc && d < s->reach) g.below = fmax(g.below, skf_source_disc(s, c, radius));
     if (s->sheet && d < s->reach) g.above.slope = fmin(g.above.slope, skf_source_steepness(s, c, radius));
     if (!(g.above.value > 0)) continue;
     kept[(*keep)++] = in->list[i];
-    o.lo += s->weight * (s->weight > 0 ? g.below : g.above.value);
-    o.hi += s->weight * (s->weight > 0 ? g.above.value : g.below);
+    o.lo += skf_weight_times(s->least, s->least > 0 ? g.below : g.above.value);
+    o.hi += skf_weight_times(s->most, s->most > 0 ? g.above.value : g.below);
     o.slope += w * g.above.slope, o.bend += w * g.above.bend, o.fourth += w * g.above.fourth;
   }
   return o;

@@ -73,6 +73,8 @@ static void frame(skf_source *s) {
 skf_status skf_source_init(const skf_element *element, skf_source *s) {
   *s = (skf_source){.element = *element, .weight = element->strength};
   const skf_primitive *p = &s->element.primitive;
+  skf_weight_range w = skf_element_weights(element);
+  s->least = w.lo, s->most = w.hi;
   s->measure = skf_primitive_measure(p);
   if (p->shape == SKF_PLANE) {
     s->reach = INFINITY;

@@ -4,6 +4,7 @@
 #define SKF_RAY_SOURCE_H
 
 #include "field/envelope.h"
+#include "field/weight.h"
 #include "skelfield/field.h"
 
 /* Suprema of the primitive's field and its derivatives over all places at a distance >= d from it, and the infimum of
@@ -16,6 +17,7 @@ typedef struct skf_grade {
 typedef struct skf_source {
   skf_element element;
   double weight;         /* strength */
+  double least, most;    /* of strength times profile: weight without one */
   double measure, reach; /* of the primitive; a ball around `middle` holds it */
   skf_vec3 middle;
   /* frame of the distance: segment: from, direction, length; arc: e, f, n; plane: through, normal */

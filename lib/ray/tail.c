@@ -53,8 +53,8 @@ static range fading(const skf_walk *w, double t) {
       near = fmax(d * (1 - 1e-12) - s->reach, 0);
     }
     skf_grade g = skf_source_grade(s, near, far);
-    r.lo += s->weight * (s->weight > 0 ? g.below : g.above.value);
-    r.hi += s->weight * (s->weight > 0 ? g.above.value : g.below);
+    r.lo += skf_weight_times(s->least, s->least > 0 ? g.below : g.above.value);
+    r.hi += skf_weight_times(s->most, s->most > 0 ? g.above.value : g.below);
   }
   return r;
 }
@@ -76,16 +76,17 @@ static bool leading_sign(const skf_walk *w, double t) {
     if (s->element.primitive.shape == SKF_PLANE || !(near > 0.5 * t)) return false;
     skf_kernel_eval(s->element.kernel, near * near, d);
     skf_kernel_eval(s->element.kernel, far * far, e);
-    double a = s->weight * s->measure * scale * d[0], b = s->weight * s->measure * scale * e[0], limit = a;
+    double a = s->measure * scale * d[0], b = s->measure * scale * e[0], limit = a;
     if (powers[s->element.kernel.type] == slowest) {
       double width = skf_kernel_width(s->element.kernel);
-      limit = s->weight * s->measure * (width > 0 ? pow(width, slowest) : 1);
+      limit = s->measure * (width > 0 ? pow(width, slowest) : 1);
     } else if (t < 8 * skf_kernel_width(s->element.kernel)) {
       return false; /* r^k h(r) may still rise */
     } else {
       b = 0;
     }
-    c.lo += fmin(fmin(a, b), limit), c.hi += fmax(fmax(a, b), limit);
+    double least = fmin(fmin(a, b), limit), most = fmax(fmax(a, b), limit);
+    c.lo += s->least * (s->least > 0 ? least : most), c.hi += s->most * (s->most > 0 ? most : least);
   }
   return c.lo > 0 || c.hi < 0;
 }

@@ -4,21 +4,61 @@
 #include "core/vec3.h"
 #include "ray/walk.h"
 #include <float.h>
+#include <stdint.h>
 
 static bool is_linear(const skf_element *e) { return e->primitive.shape == SKF_PLANE && e->kernel.type == SKF_INVERSE; }
 
-/* The elements whose strength has the given sign, or all negated; planes that are linear along rays are left out. */
-static skf_status subfield(const skf_field *field, int sign, bool negate, skf_field **out) {
+/* +-1: the sign of strength times profile; 0: both signs. */
+static int sign_of(skf_weight_range w) { return w.lo >= 0 ? 1 : w.hi <= 0 ? -1 : 0; }
+
+/* The profile plus a constant; the caller frees its knots. */
+static skf_status raise(const skf_profile *p, double by, skf_profile *out) {
+  *out = *p;
+  out->ends[0] += by, out->ends[1] += by; /* no other profile without knots has both signs */
+  if (!p->knot_count) return SKF_OK;
+  skf_profile_knot *k = skf_alloc(p->knot_count, sizeof *k);
+  for (size_t i = 0; k && i < p->knot_count; i++) k[i] = p->knots[i], k[i].value += by;
+  out->knots = k;
+  return k ? SKF_OK : SKF_ERR_NOMEM;
+}
+
+/* The part of an element whose weight has the sign: all, nothing, or of one with both signs what is above its least
+   weight, and this weight. */
+static skf_status take_part(skf_element *e, int sign, skf_profile *raised, bool *taken) {
+  skf_weight_range w = skf_element_weights(e);
+  int own = sign_of(w);
+  *taken = !is_linear(e) && e->strength != 0 && (own == sign || own == 0);
+  if (!*taken || own) return SKF_OK;
+  const skf_profile *p = e->profile;
+  e->profile = sign > 0 ? raised : NULL;
+  if (sign < 0) e->strength = w.lo;
+  return sign > 0 ? raise(p, -w.lo / e->strength, raised) : SKF_OK;
+}
+
+/* What of a field has the given sign; planes that are linear along rays are left out. */
+static skf_status subfield(const skf_field *field, int sign, skf_field **out) {
   size_t n = skf_field_size(field), k = 0;
   skf_element *e = skf_alloc(n, sizeof *e);
-  if (!e) return SKF_ERR_NOMEM;
-  for (size_t i = 0; i < n; i++) {
+  skf_profile *raised = skf_alloc(n, sizeof *raised);
+  skf_status s = e && raised ? SKF_OK : SKF_ERR_NOMEM;
+  for (size_t i = 0; i < n && !s; i++) {
+    bool taken;
     e[k] = *skf_field_element(field, i);
-    if (sign && (is_linear(e + k) || (double)sign * e[k].strength <= 0)) continue;
-    if (negate) e[k].strength = -e[k].strength;
-    k++;
+    s = take_part(e + k, sign, raised + i, &taken);
+    k += taken;
   }
-  skf_status s = skf_field_new(e, k, out);
+  if (!s) s = skf_field_new(e, k, out);
+  for (size_t i = 0; raised && i < n; i++) skf_free((void *)(uintptr_t)raised[i].knots);
+  skf_free(raised), skf_free(e);
+  return s;
+}
+
+static skf_status negative(const skf_field *field, skf_field **out) {
+  size_t n = skf_field_size(field);
+  skf_element *e = skf_alloc(n, sizeof *e);
+  if (!e) return SKF_ERR_NOMEM;
+  for (size_t i = 0; i < n; i++) e[i] = *skf_field_element(field, i), e[i].strength = -e[i].strength;
+  skf_status s = skf_field_new(e, n, out);
   skf_free(e);
   return s;
 }
@@ -29,7 +69,7 @@ static skf_status find_region(skf_tracer *t) {
     t->reach = skf_field_region(t->field, t->iso, &t->region);
   } else {
     skf_field *f;
-    skf_status s = subfield(t->field, 0, true, &f);
+    skf_status s = negative(t->field, &f);
     if (s) return s;
     t->reach = skf_field_region(f, -t->iso, &t->region);
     skf_field_free(f);
@@ -39,32 +79,42 @@ static skf_status find_region(skf_tracer *t) {
   return SKF_OK;
 }
 
-static skf_status add_sources(skf_tracer *t, bool linear, bool *mixed) {
+static skf_status add_sources(skf_tracer *t, bool linear, int *first, bool *mixed) {
   for (size_t i = 0; i < skf_field_size(t->field); i++) {
     const skf_element *e = skf_field_element(t->field, i);
     if (e->strength == 0 || is_linear(e) != linear) continue;
     skf_pair_info pair = skf_pair_get(e->kernel.type, e->primitive.shape);
-    if (!pair.closed) t->noise = fmax(t->noise, pair.error); /* adaptive quadrature is not smooth */
-    *mixed = *mixed || linear || e->strength * skf_field_element(t->field, 0)->strength < 0;
+    if (!pair.closed) t->noise = fmax(t->noise, pair.error);     /* adaptive quadrature is not smooth */
+    if (e->profile) t->noise = fmax(t->noise, 32 * DBL_EPSILON); /* of the sums over its nodes */
     skf_status s = skf_source_init(e, t->sources + t->n);
     if (s) return s;
+    int sign = sign_of((skf_weight_range){t->sources[t->n].least, t->sources[t->n].most});
+    *mixed = *mixed || linear || !sign || sign * *first < 0;
+    *first = sign;
     t->n++;
   }
   if (linear) t->linear = t->n;
   return SKF_OK;
 }
 
+/* Terms of both signs within one element: the sum of the elements' magnitudes is not that of the terms. */
+static bool hides_signs(const skf_tracer *t) {
+  for (size_t i = 0; i < t->n; i++)
+    if (t->sources[i].least < 0 && t->sources[i].most > 0) return true;
+  return false;
+}
+
 static skf_status fill(skf_tracer *t) {
   bool mixed = false;
+  int first = 0;
   skf_status s;
   t->sources = skf_alloc(skf_field_size(t->field), sizeof *t->sources);
   if (!t->sources) return SKF_ERR_NOMEM;
-  if ((s = add_sources(t, true, &mixed)) || (s = add_sources(t, false, &mixed))) return s;
-  if (mixed && ((s = subfield(t->field, 1, false, &t->plus)) || (s = subfield(t->field, -1, false, &t->minus))))
-    return s;
+  if ((s = add_sources(t, true, &first, &mixed)) || (s = add_sources(t, false, &first, &mixed))) return s;
+  if (mixed && ((s = subfield(t->field, 1, &t->plus)) || (s = subfield(t->field, -1, &t->minus)))) return s;
   s = find_region(t);
   /* the octree takes sources for elements: none may have been left out */
-  if (s || t->reach != SKF_OK || t->linear || t->n != skf_field_size(t->field)) return s;
+  if (s || t->reach != SKF_OK || t->linear || t->n != skf_field_size(t->field) || hides_signs(t)) return s;
   return skf_octree_new(t->field, t->sources, t->n, t->iso, t->noise, t->region, &t->tree);
 }
 

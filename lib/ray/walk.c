@@ -79,13 +79,13 @@ static cell enclose(const skf_walk *w, double a, double b) {
     /* a plane's field depends on the distance alone: it sees the ray foreshortened */
     bool plane = s->element.primitive.shape == SKF_PLANE;
     double along = plane ? fabs(skf_source_descent(s, w->direction)) : 1, reach = along * half + slack;
-    double d = skf_source_distance(s, p), x = fabs(s->weight), L2 = along * L * along * L, L4 = L2 * L2;
+    double d = skf_source_distance(s, p), x = fmax(fabs(s->least), fabs(s->most)), L2 = along * L * along * L,
+           L4 = L2 * L2;
     skf_grade g = skf_source_grade(s, fmax(d * (1 - 1e-12) - reach, 0), d * (1 + 1e-12) + reach);
     if (s->disc && d < s->reach) g.below = fmax(g.below, skf_source_disc(s, p, reach));
     if (s->sheet && d < s->reach) g.above.slope = fmin(g.above.slope, skf_source_steepness(s, p, reach));
-    double above = s->weight * g.above.value, below = s->weight * g.below;
-    c.lo += s->weight > 0 ? below : above;
-    c.hi += s->weight > 0 ? above : below;
+    c.lo += skf_weight_times(s->least, s->least > 0 ? g.below : g.above.value);
+    c.hi += skf_weight_times(s->most, s->most > 0 ? g.above.value : g.below);
     if (L2 == 0) continue; /* along the plane: constant */
     c.change += x * along * L * g.above.slope;
     c.error += x * fmin(L4 / 384 * g.above.fourth, L2 / 16 * g.above.bend);

@@ -123,7 +123,7 @@ static double total_measure(const skf_body *b, double *absolute) {
   double sum = 0, lost = 0;
   *absolute = 0;
   for (size_t i = 0; i < b->element_count; i++) {
-    double term = b->elements[i].strength * skf_primitive_measure(&b->elements[i].primitive), next = sum + term;
+    double term = b->elements[i].strength * skf_element_measure(b->elements + i), next = sum + term;
     lost += fabs(sum) >= fabs(term) ? (sum - next) + term : (term - next) + sum;
     sum = next;
     *absolute += fabs(term);
