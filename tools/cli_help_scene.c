@@ -54,6 +54,14 @@ void cli_help_scene(FILE *f) {
       "in\n"
       "the field of them all. Where an entry is silent its material counts, then its body, then its body's material.\n",
       f);
+  fputs(
+      "\nprofile: a weight p(t) in the integral, t from 0 at one end of the curve to 1 at the other by length; a "
+      "polyline,\n"
+      "bezier, helix or spiral carries it along its whole chain. One of constant; hat (0 - 1 - 0); sin2 (sin^2 pi t);\n"
+      "{linear: [from, to]}; {cubic: [[t, value, slope], ...]}, Hermite cubics between knots from t = 0 to t = 1. "
+      "Weights\n"
+      "may be negative in places. The measure that mass refers to is the integral of the profile.\n",
+      f);
   fputs("\nkernel: h(r), by its type and its parameter\n", f);
   for (int i = 0; i < SKF_KERNEL_COUNT; i++) {
     const skf_kernel_info *k = skf_kernel_get((skf_kernel_type)i);

@@ -10,6 +10,7 @@ static void gather_element(const skf_element *e, info_body *out) {
   info_kernel *k = out->kernels + e->kernel.type;
   out->count[shape]++;
   out->measure[shape] += measure;
+  out->profiled += e->profile != NULL;
   out->total += e->strength * skf_element_measure(e);
   out->skeleton = box_join(out->skeleton, box);
   if (!k->count++) k->least = k->most = e->kernel.param;

@@ -15,7 +15,8 @@ typedef struct info_body {
   const skf_body *body;
   size_t count[SKF_SHAPE_COUNT];
   double measure[SKF_SHAPE_COUNT]; /* sum of mu */
-  double total;                    /* sum of w mu */
+  double total;                    /* sum of w mu, mu weighted by profiles */
+  size_t profiled;                 /* primitives with a profile */
   double mass, gm;                 /* rho times total, or as given; infinite with a plane that attracts */
   skf_box skeleton;
   skf_status surface; /* SKF_OK: region holds; SKF_ERR_UNBOUNDED, SKF_ERR_EMPTY or another failure */

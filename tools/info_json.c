@@ -89,6 +89,7 @@ static void put_body(cli_json *j, const skf_scene *scene, const skf_body *body) 
   json_integer(j, "primitive_count", (long)body->element_count);
   put_primitives(j, &b);
   json_number(j, "weighted_measure", b.total);
+  if (b.profiled) json_integer(j, "profiled", (long)b.profiled);
   json_bool(j, "mass_given", body->has_mass);
   json_number(j, "mass", b.mass);
   json_number(j, "density", body->rho);

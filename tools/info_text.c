@@ -78,6 +78,9 @@ static void put_body(FILE *f, const skf_scene *scene, const skf_body *body) {
   fprintf(f, "body %s (line %ld)\n", body->name, body->line);
   put_primitives(f, &b);
   put_kernels(f, &b);
+  if (b.profiled)
+    fprintf(f, "  %-*s%zu %s: weighted sums, relative error 1e-12\n", LABEL, "profiles", b.profiled,
+            b.profiled == 1 ? "primitive" : "primitives");
   put_handles(f, body);
   fprintf(f, "  %-*s%.10g%s, density %.10g, G M = %.10g\n", LABEL, "mass", b.mass, body->has_mass ? " (given)" : "",
           body->rho, b.gm);

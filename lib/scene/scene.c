@@ -191,6 +191,8 @@ void skf_scene_free(skf_scene *scene) {
     skf_free(b->elements);
     skf_free(b->element_lines);
     skf_free(b->handled);
+    for (size_t k = 0; k < b->profile_count; k++) skf_free(b->profiles[k]);
+    skf_free(b->profiles);
     skf_field_free(b->field);
   }
   for (size_t i = 0; i < scene->particle_count; i++) skf_free(scene->particles[i].name);

@@ -2,6 +2,7 @@
 #include "scene/skeleton.h"
 #include "core/alloc.h"
 #include "core/vec3.h"
+#include "scene/profile.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -13,6 +14,12 @@ static skf_status read_own_material(skf_reader *r, const skf_node *name, void *i
   return skf_read_material(r, name, &((skf_entry *)into)->style);
 }
 
+static skf_status keep_profile(skf_reader *r, const skf_node *value, void *into) {
+  (void)r;
+  ((skf_entry *)into)->profile = value;
+  return SKF_OK;
+}
+
 const skf_key skf_entry_keys[SKF_ENTRY_KEYS] = {
     {"strength", "1", "factor of its field, not 0 (default: 1)", SKF_KEY_NUMBER,
      .offset = offsetof(skf_entry, style.strength)},
@@ -22,6 +29,8 @@ const skf_key skf_entry_keys[SKF_ENTRY_KEYS] = {
     SKF_INFLUENCE_KEY(skf_entry, style),
     {"material", NULL, "whose properties it has where it is silent", SKF_KEY_OTHER, .read = read_own_material,
      .form = "a material's name"},
+    {"profile", "1", "of curves: weight from end to end, see below", SKF_KEY_OTHER, .read = keep_profile,
+     .form = "hat, sin2, {linear: ...}, ..."},
 };
 
 enum { ENTRY_KEYS = SKF_HELIX_KEYS + SKF_ENTRY_KEYS, KINDS = SKF_SHAPE_COUNT + SKF_COMPOUND_COUNT };
@@ -141,6 +150,21 @@ static skf_status check_entry(skf_reader *r, const skf_entry *e, const skf_node 
                        "no kernel for this %s, expected 'kernel' in it or in its body", e->name);
 }
 
+/* The profile of the pieces from `first` on; the body keeps it. */
+static skf_status weigh(skf_reader *r, const skf_entry *e, size_t first, skf_pieces *into) {
+  skf_body *b = into->body;
+  if (b->profile_count == into->profile_capacity) {
+    size_t n = 2 * into->profile_capacity + 8;
+    skf_profile **more = skf_realloc(b->profiles, n, sizeof *more);
+    if (!more) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+    b->profiles = more, into->profile_capacity = n;
+  }
+  skf_profile *block;
+  skf_status s = skf_profile_apply(r, e->profile, e->name, b->elements + first, b->element_count - first, &block);
+  if (block) b->profiles[b->profile_count++] = block;
+  return s;
+}
+
 /* Handles give the pieces from `first` on their parameter and strength; the body remembers which. */
 static skf_status handle(skf_reader *r, const skf_entry *e, size_t first, skf_pieces *into) {
   skf_body *b = into->body;
@@ -181,12 +205,13 @@ static skf_status read_entry(skf_reader *r, const skf_node *entry, const entry_t
   size_t first = into->body->element_count;
   s = simple ? skf_add_piece(r, &e, &e.element.primitive, into)
              : skf_compounds[kind - SKF_SHAPE_COUNT].expand(r, &e, into);
+  if (!s && e.profile) s = weigh(r, &e, first, into);
   return s ? s : handle(r, &e, first, into);
 }
 
 skf_status skf_read_skeleton(skf_reader *r, const skf_node *list, const skf_style *style, skf_body *body) {
   entry_table tables[KINDS];
-  skf_pieces pieces = {body, 0, 0};
+  skf_pieces pieces = {.body = body};
   skf_status s = SKF_OK;
   for (int i = 0; i < KINDS; i++) make_table(i, tables + i);
   for (const skf_node *n = skf_node_first(&r->yaml, list); n && !s; n = skf_node_next(&r->yaml, n))

@@ -13,6 +13,7 @@ typedef struct skf_entry {
   const skf_node *kind, *map;  /* where the kind stands, and its parameters */
   const skf_node *list, *file; /* of a compound: its points, its mesh */
   const skf_node *holes;       /* of a polygon, or NULL */
+  const skf_node *profile;     /* NULL: none */
   bool closed;
   skf_vec3 control[4]; /* of a bezier, and its tolerance; 0: the default */
   double tolerance;
@@ -22,14 +23,14 @@ typedef struct skf_entry {
 } skf_entry;
 
 /* The keys that every entry may have besides its own. */
-enum { SKF_ENTRY_KEYS = 6 };
+enum { SKF_ENTRY_KEYS = 7 };
 #define SKF_OTHER_RADIUS "thickness" /* what the handle `radius` is called where the primitive has a radius */
 extern const skf_key skf_entry_keys[SKF_ENTRY_KEYS];
 
 /* The elements of a body, as they grow. */
 typedef struct skf_pieces {
   skf_body *body;
-  size_t capacity, handled_capacity;
+  size_t capacity, handled_capacity, profile_capacity;
 } skf_pieces;
 
 /* Checks the primitive and appends it with the entry's kernel, strength and line. */

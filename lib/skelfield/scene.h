@@ -39,6 +39,8 @@ typedef struct skf_body {
   skf_field *field; /* of the elements, body frame */
   long line;        /* in the file */
   long *element_lines;
+  size_t profile_count;
+  skf_profile **profiles; /* what the elements' profiles point to, a block for each entry that has one */
   size_t handled_count;
   skf_handled *handled; /* in order */
 } skf_body;

@@ -77,6 +77,13 @@ expect_out "for each entry" '  segment \(line 10\): radius 0.25, '
 run info ice.yaml --json
 expect_out "in JSON, too" '"strength": 1.349858807576'
 
+run info "$data/horn.yaml"
+expect_out "profiles are counted" 'profiles +11 primitives'
+expect_out "what is weighted weighs less" 'measure +15\.51023'
+run simulate "$data/horn.yaml" -o horn.csv --contacts touch.csv
+expect_status "a weighted body is flown to" 0
+expect "and touched" eval '[ "$(wc -l <touch.csv)" = 2 ]'
+
 write square.off <<'END'
 OFF
 4 1 0

@@ -17,6 +17,7 @@ shape kleopatra 6000 1 0 8.76798e14 # of a ball of 118.75 km
 shape gaussian 0.1 1 0 2.41715   # of a ball of radius sqrt(ln 2)
 shape icicle 0.12 2 0 2.24
 shape starfish 0.15 1 0 5.5
+shape horn 0.08 1 0 0.744944
 
 # reaches WORLD DIRECTION DISTANCE TOLERANCE: where a ray from far away meets the ground
 reaches() {

@@ -59,7 +59,9 @@ static const char handled_scene[] =
     "    skeleton:\n"
     "      - point: {at: [0, 0, 0]}\n"
     "      - circle: {center: [0, 0, 0], normal: [0, 0, 1], radius: 2, thickness: 0.1}\n"
-    "      - polyline: {points: [[0, 5, 0], [1, 5, 0], [4, 5, 0]], kernel: {type: quartic}}\n";
+    "      - polyline: {points: [[0, 5, 0], [1, 5, 0], [4, 5, 0]], kernel: {type: quartic}, profile: sin2}\n"
+    "      - segment: {from: [0, 0, 0], to: [0, 0, 3], profile: {cubic: [[0, 1, 0], [0.3, 2, 1], [1, 0, 0]]}}\n"
+    "      - segment: {from: [0, 0, 0], to: [0, 0, 3], profile: {linear: [0, 1]}}\n";
 
 static const char small_scene[] = "skelfield: 1\nbodies:\n  - {name: a, iso: 1, kernel: {type: inverse}, "
                                   "skeleton: [{point: {at: [0, 0, 0]}}]}\n";
