@@ -40,6 +40,10 @@ static inline bool skf_form_open_arc(const skf_prepared *e) { return !e->plan.ar
   X(inverse_squared_arc, SKF_INVERSE_SQUARED, SKF_ARC, skf_form_open_arc)                                              \
   X(inverse_squared_circle, SKF_INVERSE_SQUARED, SKF_ARC, skf_form_circle)                                             \
   X(gaussian_circle, SKF_GAUSSIAN, SKF_ARC, skf_form_circle)                                                           \
+  X(quartic_arc, SKF_QUARTIC, SKF_ARC, skf_form_open_arc)                                                              \
+  X(quartic_circle, SKF_QUARTIC, SKF_ARC, skf_form_circle)                                                             \
+  X(soft_object_arc, SKF_SOFT_OBJECT, SKF_ARC, skf_form_open_arc)                                                      \
+  X(soft_object_circle, SKF_SOFT_OBJECT, SKF_ARC, skf_form_circle)                                                     \
   X(inverse_triangle, SKF_INVERSE, SKF_TRIANGLE, skf_form_any)
 
 typedef enum skf_form {

@@ -5,6 +5,7 @@
 #define SKF_FIELD_BATCH_TABLE_H
 
 #include "field/batch_arc.h"
+#include "field/batch_arc_compact.h"
 #include "field/batch_arc_smooth.h"
 #include "field/batch_plane.h"
 #include "field/batch_point.h"
