@@ -98,7 +98,7 @@ SKF_INLINE skf_vvalue gaussian_circle(const arc_row *c, skf_v3d x) {
   skf_vd F = e * i0, slope = vd_set(-2) * a2, k = slope * e * radial;
   skf_v3d g = vd3_mad(vd3_scale(k * f.ux, c->e), k * f.uy, c->f);
   /* next to the circle its distance is exact enough for a wide Gaussian */
-  f.good |= a2 * (f.outer * f.outer) < vd_set(64);
+  f.good |= a2 * (f.outer * f.outer) < vd_set(16);
   return (skf_vvalue){F, vd3_mad(g, slope * F * f.z, c->n), (seen & f.good & (b >= zero)) | gone};
 }
 

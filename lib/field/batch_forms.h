@@ -44,6 +44,9 @@ static inline bool skf_form_open_arc(const skf_prepared *e) { return !e->plan.ar
   X(quartic_circle, SKF_QUARTIC, SKF_ARC, skf_form_circle)                                                             \
   X(soft_object_arc, SKF_SOFT_OBJECT, SKF_ARC, skf_form_open_arc)                                                      \
   X(soft_object_circle, SKF_SOFT_OBJECT, SKF_ARC, skf_form_circle)                                                     \
+  X(cauchy_triangle, SKF_CAUCHY, SKF_TRIANGLE, skf_form_any)                                                           \
+  X(quartic_triangle, SKF_QUARTIC, SKF_TRIANGLE, skf_form_any)                                                         \
+  X(soft_object_triangle, SKF_SOFT_OBJECT, SKF_TRIANGLE, skf_form_any)                                                 \
   X(inverse_triangle, SKF_INVERSE, SKF_TRIANGLE, skf_form_any)
 
 typedef enum skf_form {

@@ -7,6 +7,8 @@
 #include "field/batch_arc.h"
 #include "field/batch_arc_compact.h"
 #include "field/batch_arc_smooth.h"
+#include "field/batch_area_compact.h"
+#include "field/batch_area_smooth.h"
 #include "field/batch_plane.h"
 #include "field/batch_point.h"
 #include "field/batch_segment.h"
