@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Vector forms: quartic and soft object over a triangle, as triangle_compact.c, whose H-form with its exact Gauss rules
-   serves all points but those far beside the triangle in terms of the disc that the support cuts from its plane. */
+/* Vector forms: quartic and soft object over a triangle, as triangle_compact.c, whose H-form has exact Gauss rules;
+   points far beside the triangle in terms of the disc that the support cuts from its plane have the G-form, by panels.
+ */
 #ifndef SKF_FIELD_BATCH_AREA_COMPACT_H
 #define SKF_FIELD_BATCH_AREA_COMPACT_H
 
-#include "field/batch_area.h"
+#include "field/batch_panel.h"
 
 /* Half chord of an edge's line in the disc of squared radius rm2, and the edge's part b1..b2 in it. */
 typedef struct cut_view {
@@ -51,56 +52,110 @@ SKF_INLINE skf_vd disc_h(bool soft, skf_vd y) {
   return soft ? y * y * vd_fma(vd_set(4. / 9), y, vd_set(5. / 9)) : y * y;
 }
 
-SKF_INLINE skf_vvalue disc_edges(bool soft, const area_row *c, const area_view *f, const skf_vd power[3], skf_vi good) {
-  skf_vd zero = vd_set(0), R = c->param, per_R2 = c->per_param2, az = vd_abs(f->z);
-  skf_vi first = f->r2[0] < f->r2[1], third = f->r2[2] < vd_min(f->r2[0], f->r2[1]);
+/* The disc about the foot of the perpendicular. */
+typedef struct disc_area {
+  skf_vd power[3], rm2, rm, y0, h0, G0;
+  skf_vi beyond; /* the foot is far outside the triangle */
+} disc_area;
+
+SKF_INLINE disc_area disc_see(bool soft, const area_row *c, const area_view *f) {
+  skf_vd zero = vd_set(0), R = c->param, az = vd_abs(f->z);
+  disc_area v;
+  for (int i = 0; i < 3; i++) v.power[i] = c->param2 - f->r2[i];
   skf_vd near2 = vd_min(vd_min(f->r2[0], f->r2[1]), f->r2[2]), lat2 = vd_max(near2 - f->zz, zero);
-  skf_vd near_power = vd_select(third, power[2], vd_select(first, power[0], power[1]));
-  skf_vd rm2 = vd_max(vd_select(lat2 < f->zz, near_power + lat2, (R - az) * (R + az)), zero), rm = vd_sqrt(rm2);
-  skf_vd y0 = rm2 * per_R2, h0 = disc_h(soft, y0), y3 = y0 * y0 * y0;
-  skf_vd G0 = rm2 * y0 * y0 * vd_set(1. / 6);
-  if (soft) G0 = c->param2 * y3 * vd_fma(vd_set(3. / 54), y0, vd_set(5. / 54));
+  skf_vd rm2 = vd_select(lat2 < f->zz, c->param2 - near2 + lat2, (R - az) * (R + az));
+  v.rm2 = vd_max(rm2, zero), v.rm = vd_sqrt(v.rm2);
+  v.y0 = v.rm2 * c->per_param2, v.h0 = disc_h(soft, v.y0);
+  v.G0 = v.rm2 * v.y0 * v.y0 * vd_set(1. / 6);
+  if (soft) v.G0 = v.rm2 * v.y0 * v.y0 * vd_fma(vd_set(3. / 54), v.y0, vd_set(5. / 54));
+  v.beyond = ~f->inside & (vd_set(4) * f->lat2 > v.rm2);
+  return v;
+}
+
+/* int G / (R^2 rho^2) and int h / rho^2 over an edge's part in the disc */
+SKF_INLINE disc_terms disc_panels(bool soft, const area_row *c, skf_vd d, const cut_view *e, skf_vi some) {
+  disc_terms sum = {vd_set(0), vd_set(0)};
+  panel_view p = panel_over(e->b1, e->b2, e->b2 - e->b1, panel_scale(d, e->b1, e->b2), some & e->in & (d != vd_set(0)));
+  for (int k = 0; panel_next(&p, k); k++)
+    for (int j = 0; j < PANEL_NODES; j++) {
+      skf_vd l, w;
+      panel_node(&p, j, &l, &w);
+      skf_vd y = (e->chord - l) * (e->chord + l) * c->per_param2, q = w / vd_fma(d, d, l * l);
+      skf_vd G = soft ? vd_fma(vd_set(3. / 54), y, vd_set(5. / 54)) : vd_set(1. / 6);
+      sum.H = vd_fma(q * y * y, y * G, sum.H), sum.D = vd_fma(q, disc_h(soft, y), sum.D);
+    }
+  return sum;
+}
+
+SKF_INLINE skf_vvalue disc_edges(bool soft, bool beyond, const area_row *c, const area_view *f, const disc_area *disc,
+                                 skf_vi good) {
+  skf_vd zero = vd_set(0), per_R2 = c->per_param2;
   area_sum sum = {zero, zero, {zero, zero, zero}, zero, zero};
   int n = soft ? 4 : 3; /* exact */
   const skf_gauss_node *node = skf_gauss_rule(n);
   for (int i = 0; i < 3; i++) {
-    cut_view e = area_cut(c, f, i, power, rm);
-    skf_vd half = vd_set(0.5) * (e.b2 - e.b1), mid = vd_set(0.5) * (e.b1 + e.b2), J = zero, H = zero, D = zero;
+    skf_vd d = f->d[i], J = zero, H = zero, D = zero, F, Z;
+    cut_view e = area_cut(c, f, i, disc->power, disc->rm);
+    skf_vd half = vd_set(0.5) * (e.b2 - e.b1), mid = vd_set(0.5) * (e.b1 + e.b2);
     for (int j = 0; j < n; j++) {
       skf_vd l = vd_fma(half, vd_set(node[j].x), mid), w = vd_set(node[j].w),
              y = (e.chord - l) * (e.chord + l) * per_R2;
-      disc_terms t = disc_at(soft, y, y0);
+      disc_terms t = disc_at(soft, y, disc->y0);
       J = vd_fma(w, disc_h(soft, y), J), H = vd_fma(w, t.H, H), D = vd_fma(w, t.D, D);
     }
     half = (skf_vd)((skf_vi)half & e.in);
-    skf_vd dh = f->d[i] * half, F = vd_fma(dh, H, G0 * e.out), Z = -f->z * vd_fma(dh * per_R2, D, h0 * e.out);
     sum.J[i] = half * J;
+    if (beyond) {
+      disc_terms t = disc_panels(soft, c, d, &e, good);
+      F = -(d * c->param2 * t.H), Z = f->z * d * t.D;
+    } else
+      F = vd_fma(d * half, H, disc->G0 * e.out), Z = -f->z * vd_fma(d * half * per_R2, D, disc->h0 * e.out);
     sum.F += F, sum.abs_F += vd_abs(F), sum.Z += Z, sum.abs_Z += vd_abs(Z);
   }
-  good &= f->inside | (vd_set(4) * f->lat2 <= rm2);
   return area_gather(c, f, &sum, good);
+}
+
+/* Not at the rim, where the plain differences of squares cancel. */
+SKF_INLINE skf_vi disc_clear(const area_row *c, const area_view *f, const disc_area *disc) {
+  skf_vi clear = f->dist2 < c->param2 * vd_set(1 - 1e-3);
+  for (int i = 0; i < 3; i++) clear &= vd_set(1024) * vd_abs(disc->power[i]) > c->param2;
+  return clear;
 }
 
 SKF_INLINE skf_vvalue disc_triangle(bool soft, const area_row *c, skf_v3d x) {
   area_view f = area_see(c, x);
-  skf_vd zero = vd_set(0), R2 = c->param2, power[3], least = R2;
-  skf_vi finite = f.r2[0] + f.r2[1] + f.r2[2] < vd_set(INFINITY);
-  for (int i = 0; i < 3; i++) power[i] = R2 - f.r2[i], least = vd_min(least, power[i]);
-  skf_vi off = f.dist2 > R2 * vd_set(1 + SKF_PICK(1e-3, 1e-2)), within = least > R2 * vd_set(1. / 512);
+  skf_vd zero = vd_set(0), R2 = c->param2, reach2 = vd_max(vd_max(f.r2[0], f.r2[1]), f.r2[2]);
+  skf_vi finite = reach2 < vd_set(INFINITY);
+  skf_vi off = f.dist2 > R2 * vd_set(1 + SKF_PICK(1e-3, 1e-2)), within = R2 - reach2 > R2 * vd_set(1. / 512);
   skf_vvalue v = {zero, {zero, zero, zero}, off & finite};
   if (vi_any(within))
     v = area_either(within, area_rule(soft ? AREA_SOFT : AREA_QUARTIC, c, &f, soft ? 4 : 3, finite), v);
   skf_vi edges = ~(off | within);
   if (!vi_any(edges)) return v;
-  skf_vi clear = f.dist2 < R2 * vd_set(1 - 1e-3); /* and no vertex at the rim */
-  for (int i = 0; i < 3; i++) clear &= vd_set(1024) * vd_abs(power[i]) > R2;
-  return area_either(edges, disc_edges(soft, c, &f, power, finite & clear), v);
+  disc_area disc = disc_see(soft, c, &f);
+  skf_vi good = finite & disc_clear(c, &f, &disc) & ~disc.beyond;
+  return area_either(edges, disc_edges(soft, false, c, &f, &disc, good), v);
+}
+
+SKF_INLINE skf_vvalue disc_triangle_beyond(bool soft, const area_row *c, skf_v3d x) {
+  area_view f = area_see(c, x);
+  disc_area disc = disc_see(soft, c, &f);
+  skf_vi good = disc_clear(c, &f, &disc) & disc.beyond;
+  if (!vi_any(good)) return (skf_vvalue){.good = good};
+  return disc_edges(soft, true, c, &f, &disc, good);
 }
 
 SKF_INLINE skf_vvalue quartic_triangle(const area_row *c, skf_v3d x) { return disc_triangle(false, c, x); }
 SKF_INLINE skf_vvalue soft_object_triangle(const area_row *c, skf_v3d x) { return disc_triangle(true, c, x); }
 
-SKF_BATCH_FORM(quartic_triangle, area, skf_again_none)
-SKF_BATCH_FORM(soft_object_triangle, area, skf_again_none)
+SKF_INLINE skf_vvalue quartic_triangle_beyond(const area_row *c, skf_v3d x) {
+  return disc_triangle_beyond(false, c, x);
+}
+SKF_INLINE skf_vvalue soft_object_triangle_beyond(const area_row *c, skf_v3d x) {
+  return disc_triangle_beyond(true, c, x);
+}
+
+SKF_BATCH_FORM(quartic_triangle, area, quartic_triangle_beyond)
+SKF_BATCH_FORM(soft_object_triangle, area, soft_object_triangle_beyond)
 
 #endif
