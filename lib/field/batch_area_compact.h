@@ -133,7 +133,7 @@ SKF_INLINE skf_vvalue disc_triangle(bool soft, const area_row *c, skf_v3d x) {
   skf_vi edges = ~(off | within);
   if (!vi_any(edges)) return v;
   disc_area disc = disc_see(soft, c, &f);
-  skf_vi good = finite & disc_clear(c, &f, &disc) & ~disc.beyond;
+  skf_vi good = finite & disc_clear(c, &f, &disc);
   return area_either(edges, disc_edges(soft, false, c, &f, &disc, good), v);
 }
 
