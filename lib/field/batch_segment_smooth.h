@@ -27,30 +27,54 @@ static double *gaussian_span_pack(const skf_prepared *e, double *k) {
   return k + GAUSSIAN_MOMENTS;
 }
 
+/* Squares of a times the distances from the ends and the line; a times the abscissae of the ends, and the width that
+   they leave; the sum of the abscissae times half the width. */
+typedef struct gaussian_view {
+  skf_vd y0, y1, yh, u0, u1, width, delta;
+  skf_vi brief; /* the series is for these */
+} gaussian_view;
+
+SKF_INLINE gaussian_view gaussian_see(skf_vd y0, skf_vd y1, skf_vd yh, skf_vd u0, skf_vd u1, skf_vd width) {
+  skf_vd sum = u0 + u1;
+  return (gaussian_view){
+      y0, y1, yh, u0, u1, width, vd_set(0.5) * width * sum, width * vd_max(vd_abs(sum), width) <= vd_set(1)};
+}
+
+/* a int exp(-a^2 r^2) dt and h(r0) - h(r1); the smallest exponent that counts. */
+typedef struct gaussian_value {
+  skf_vd F, ends, least;
+} gaussian_value;
+
 /* int exp(-u^2) du = X(u0) exp(-u0^2) - X(u1) exp(-u1^2), X = vd_erfc_scaled, for 0 <= u0 <= u1; X(u) exp(-u^2) and its
    mirror image add up to sqrt(pi). Where the sum and the width of u0, u1 are so small that this would cancel, its
    Taylor series in delta = (u1^2 - u0^2) / 2 times the exponential at the mean square. */
-SKF_INLINE skf_vvalue gaussian_segment(const gaussian_span_row *c, skf_v3d x) {
+SKF_INLINE gaussian_value gaussian_between(const gaussian_view *f, const skf_vd m[GAUSSIAN_MOMENTS]) {
   static const double sinh[] = {1,           1. / 6,         1. / 120,         1. / 5040,
                                 1. / 362880, 1. / 39916800., 1. / 6227020800., 1. / 1307674368000.};
+  skf_vd zero = vd_set(0), most = vd_set(VD_EXP_MAX), q = f->delta * f->delta;
+  skf_vi within = (f->u0 < zero) & (f->u1 > zero);
+  skf_vd third = vd_select(f->brief, vd_set(0.5) * (f->y0 + f->y1), f->yh);
+  skf_vd e0 = vd_exp(-vd_min(f->y0, most)), e1 = vd_exp(-vd_min(f->y1, most)), e2 = vd_exp(-vd_min(third, most));
+  skf_vd x0 = e0 * vd_erfc_scaled(vd_abs(f->u0)), x1 = e1 * vd_erfc_scaled(vd_abs(f->u1));
+  skf_vd all = vd_fma(vd_set(1.7724538509055160273), e2, -(x0 + x1)), F = vd_select(within, all, vd_abs(x0 - x1));
+  skf_vd s = m[GAUSSIAN_MOMENTS - 1];
+  for (int n = GAUSSIAN_MOMENTS - 2; n >= 0; n--) s = vd_fma(s, q, m[n]);
+  return (gaussian_value){vd_select(f->brief, f->width * e2 * s, F),
+                          vd_select(f->brief, vd_set(2) * e2 * f->delta * vd_estrin(sinh, 8, q), e0 - e1),
+                          vd_select(within & ~f->brief, f->yh, vd_min(f->y0, f->y1))};
+}
+
+/* So that an exponential cut at VD_EXP_MAX does not count */
+#define GAUSSIAN_SEEN (VD_EXP_MAX - SKF_PICK(40, 17))
+
+SKF_INLINE skf_vvalue gaussian_segment(const gaussian_span_row *c, skf_v3d x) {
   const segment_row *s = &c->s;
   segment_view f = segment_see(s, x);
-  skf_vd a = s->param, a2 = s->param2, zero = vd_set(0), half = vd_set(0.5), most = vd_set(VD_EXP_MAX);
-  skf_vd u0 = -a * vd3_dot(f.d0, s->a), u1 = -a * vd3_dot(f.d1, s->a), sum = u0 + u1;
-  skf_vd y0 = a2 * f.n0, y1 = a2 * f.n1, yh = a2 * s->per_L2 * f.n2, delta = half * c->width * sum, q = delta * delta;
-  skf_vi within = (u0 < zero) & (u1 > zero), brief = c->width * vd_max(vd_abs(sum), c->width) <= vd_set(1);
-  skf_vd third = vd_select(brief, half * (y0 + y1), yh), least = vd_select(within & ~brief, yh, vd_min(y0, y1));
-  skf_vd e0 = vd_exp(-vd_min(y0, most)), e1 = vd_exp(-vd_min(y1, most)), e2 = vd_exp(-vd_min(third, most));
-  skf_vd x0 = e0 * vd_erfc_scaled(vd_abs(u0)), x1 = e1 * vd_erfc_scaled(vd_abs(u1));
-  skf_vd all = vd_fma(vd_set(1.7724538509055160273), e2, -(x0 + x1)), F = vd_select(within, all, vd_abs(x0 - x1));
-  skf_vd m = c->m[GAUSSIAN_MOMENTS - 1];
-  for (int n = GAUSSIAN_MOMENTS - 2; n >= 0; n--) m = vd_fma(m, q, c->m[n]);
-  F = s->per_param * vd_select(brief, c->width * e2 * m, F);
-  skf_vd ends = vd_select(brief, vd_set(2) * e2 * delta * vd_estrin(sinh, 8, q), e0 - e1);
-  /* so that an exponential cut at VD_EXP_MAX does not count */
-  skf_vi seen = least < vd_set(VD_EXP_MAX - SKF_PICK(40, 17)),
-         gone = (least > vd_set(VD_EXP_ZERO)) & (least < vd_set(INFINITY));
-  F = (skf_vd)((skf_vi)F & seen), ends = (skf_vd)((skf_vi)ends & seen);
+  skf_vd a = s->param, a2 = s->param2, u0 = -a * vd3_dot(f.d0, s->a), u1 = -a * vd3_dot(f.d1, s->a);
+  gaussian_view w = gaussian_see(a2 * f.n0, a2 * f.n1, a2 * s->per_L2 * f.n2, u0, u1, c->width);
+  gaussian_value v = gaussian_between(&w, c->m);
+  skf_vi seen = v.least < vd_set(GAUSSIAN_SEEN), gone = (v.least > vd_set(VD_EXP_ZERO)) & (v.least < vd_set(INFINITY));
+  skf_vd F = (skf_vd)((skf_vi)(s->per_param * v.F) & seen), ends = (skf_vd)((skf_vi)v.ends & seen);
   skf_v3d g = segment_gradient(s, &f, vd_set(-2) * a2 * F, ends);
   return (skf_vvalue){F, g, (seen & (f.n2 < vd_set(INFINITY))) | gone};
 }

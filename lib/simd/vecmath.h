@@ -85,8 +85,12 @@ SKF_INLINE skf_vd vd_atan2(skf_vd y, skf_vd x) { return (skf_vd)((skf_vi)vd_angl
 #define VD_EXP_MAX  SKF_PICK(700, 86)
 #define VD_EXP_ZERO SKF_PICK(800, 110)
 
-/* exp(x) for |x| <= VD_EXP_MAX. */
-SKF_INLINE skf_vd vd_exp(skf_vd x) {
+/* exp(x) = (1 + part) scale for |x| <= VD_EXP_MAX, scale a power of two. */
+typedef struct skf_vexp {
+  skf_vd part, scale;
+} skf_vexp;
+
+SKF_INLINE skf_vexp vd_exp_parts(skf_vd x) {
   /* (exp(r) - 1 - r) / r^2 for |r| <= log(2) / 2 */
 #ifdef SKF_VEC_FLOAT /* 8e-9 */
   static const double c[] = {0.5, 0.16666576989698775683, 0.041666554617204574203, 0.0083631790527225773704,
@@ -102,9 +106,15 @@ SKF_INLINE skf_vd vd_exp(skf_vd x) {
   skf_vd biased = vd_fma(x, vd_set(1.4426950408889634), shift), k = biased - shift;
   skf_vd r = vd_fnma(k, vd_set(SKF_PICK(0x1.62e42fefa39efp-1, 0x1.62e43p-1)), x);
   r = vd_fnma(k, vd_set(SKF_PICK(0x1.abc9e3b39803fp-56, -0x1.05c61p-29)), r);
-  skf_vd e = vd_set(1) + vd_fma(r * r, vd_estrin(c, sizeof c / sizeof *c, r), r);
   skf_vi whole = (skf_vi)biased - (skf_vi)shift;
-  return e * (skf_vd)((whole + vi_set(SKF_BIAS)) << SKF_MANTISSA);
+  return (skf_vexp){vd_fma(r * r, vd_estrin(c, sizeof c / sizeof *c, r), r),
+                    (skf_vd)((whole + vi_set(SKF_BIAS)) << SKF_MANTISSA)};
+}
+
+/* exp(x) for |x| <= VD_EXP_MAX. */
+SKF_INLINE skf_vd vd_exp(skf_vd x) {
+  skf_vexp e = vd_exp_parts(x);
+  return (vd_set(1) + e.part) * e.scale;
 }
 
 #endif

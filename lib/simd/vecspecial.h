@@ -32,6 +32,9 @@ SKF_INLINE skf_vd vd_erfc_scaled(skf_vd u) {
   return vd_series(c, 24, t) * per;
 }
 
+/* exp(x) - 1 */
+SKF_INLINE skf_vd vd_exp_less_1(skf_vexp e) { return vd_fma(e.scale, e.part, e.scale - vd_set(1)); }
+
 typedef struct skf_vsincos {
   skf_vd sin, cos;
 } skf_vsincos;
