@@ -87,7 +87,15 @@ SKF_INLINE skf_vvalue area_gather(const area_row *c, const area_view *f, const a
 }
 
 /* h and its slope h' / r at squared distance w */
-typedef enum area_kind { AREA_CAUCHY, AREA_GAUSSIAN, AREA_SQUARED, AREA_QUARTIC, AREA_SOFT } area_kind;
+typedef enum area_kind {
+  AREA_CAUCHY,
+  AREA_GAUSSIAN,
+  AREA_SQUARED,
+  AREA_QUARTIC,
+  AREA_SOFT,
+  AREA_CONE,
+  AREA_CORE
+} area_kind;
 typedef struct area_node {
   skf_vd h, slope;
 } area_node;
@@ -106,6 +114,12 @@ SKF_INLINE area_node area_at(area_kind kind, const area_row *c, skf_vd w) {
     skf_vd h = one / w;
     return (area_node){h, vd_set(-2) * (h * h)};
   }
+  if (kind == AREA_CONE) { /* (1 - r / R)^2 */
+    skf_vd r = vd_sqrt(w), m = vd_fnma(r, c->per_param, one);
+    return (area_node){m * m, vd_set(-2) * c->per_param * m / r};
+  }
+  if (kind == AREA_CORE) /* of the metaball */
+    return (area_node){vd_fnma(vd_set(3) * c->per_param2, w, one), vd_set(-6) * c->per_param2};
   skf_vd m = vd_fnma(w, c->per_param2, one), per = vd_set(-2) * c->per_param2 * m;
   if (kind == AREA_QUARTIC) return (area_node){m * m, per + per};
   return (area_node){m * m * vd_fma(vd_set(4. / 9), m, vd_set(5. / 9)),

@@ -10,21 +10,22 @@
 /* Half chord of an edge's line in the disc of squared radius rm2, and the edge's part b1..b2 in it. */
 typedef struct cut_view {
   skf_vd chord, b1, b2, out; /* out: angle of the rest */
-  skf_vi in;
+  skf_vi in, rough;          /* rough: the edge's line is not known well enough for so small a disc */
 } cut_view;
 
 SKF_INLINE skf_vd edge_angle(skf_vd d, skf_vd l1, skf_vd l2, skf_vd length) {
   return (skf_vd)((skf_vi)vd_atan2(d * length, vd_fma(d, d, l1 * l2)) & (d != vd_set(0)));
 }
 
-SKF_INLINE cut_view area_cut(const area_row *c, const area_view *f, int i, const skf_vd power[3], skf_vd rm) {
+SKF_INLINE cut_view area_cut(const area_row *c, const area_view *f, int i, const skf_vd power[3], skf_vd rm, skf_vd R) {
   skf_vd d = f->d[i], l1 = f->l1[i], l2 = f->l2[i], zero = vd_set(0), ad = vd_abs(d);
   skf_vi first = vd_abs(l1) < vd_abs(l2);
   skf_vd l = vd_select(first, l1, l2), c2 = vd_fma(l, l, vd_select(first, power[i], power[(i + 1) % 3]));
-  c2 = vd_select(vd_abs(l) > c->param, (rm - ad) * (rm + ad), c2);
+  c2 = vd_select(vd_abs(l) > R, (rm - ad) * (rm + ad), c2);
   cut_view v = {.chord = vd_sqrt(vd_max(c2, zero))};
   v.b1 = vd_max(l1, -v.chord), v.b2 = vd_min(l2, v.chord);
   v.in = (c2 > zero) & (v.b1 < v.b2);
+  v.rough = v.in & (vd_set(256) * R * R < vd_min(f->r2[i], f->r2[(i + 1) % 3]));
   skf_vi low = v.in & (l1 < -v.chord), high = v.in & (l2 > v.chord), all = ~v.in;
   skf_vd to = vd_select(low, -v.chord, l2), from = vd_select(high, v.chord, l1);
   v.out = zero;
@@ -95,7 +96,7 @@ SKF_INLINE skf_vvalue disc_edges(bool soft, bool beyond, const area_row *c, cons
   const skf_gauss_node *node = skf_gauss_rule(n);
   for (int i = 0; i < 3; i++) {
     skf_vd d = f->d[i], J = zero, H = zero, D = zero, F, Z;
-    cut_view e = area_cut(c, f, i, disc->power, disc->rm);
+    cut_view e = area_cut(c, f, i, disc->power, disc->rm, c->param);
     skf_vd half = vd_set(0.5) * (e.b2 - e.b1), mid = vd_set(0.5) * (e.b1 + e.b2);
     for (int j = 0; j < n; j++) {
       skf_vd l = vd_fma(half, vd_set(node[j].x), mid), w = vd_set(node[j].w),
@@ -105,6 +106,7 @@ SKF_INLINE skf_vvalue disc_edges(bool soft, bool beyond, const area_row *c, cons
     }
     half = (skf_vd)((skf_vi)half & e.in);
     sum.J[i] = half * J;
+    good &= ~e.rough;
     if (beyond) {
       disc_terms t = disc_panels(soft, c, d, &e, good);
       F = -(d * c->param2 * t.H), Z = f->z * d * t.D;

@@ -49,6 +49,7 @@ static inline bool skf_form_open_arc(const skf_prepared *e) { return !e->plan.ar
   X(soft_object_triangle, SKF_SOFT_OBJECT, SKF_TRIANGLE, skf_form_any)                                                 \
   X(inverse_squared_triangle, SKF_INVERSE_SQUARED, SKF_TRIANGLE, skf_form_any)                                         \
   X(gaussian_triangle, SKF_GAUSSIAN, SKF_TRIANGLE, skf_form_any)                                                       \
+  X(metaball_triangle, SKF_METABALL, SKF_TRIANGLE, skf_form_any)                                                       \
   X(inverse_triangle, SKF_INVERSE, SKF_TRIANGLE, skf_form_any)
 
 typedef enum skf_form {

@@ -9,6 +9,7 @@
 #include "field/batch_arc_smooth.h"
 #include "field/batch_area_compact.h"
 #include "field/batch_area_gaussian.h"
+#include "field/batch_area_metaball.h"
 #include "field/batch_area_smooth.h"
 #include "field/batch_plane.h"
 #include "field/batch_point.h"

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+/* Vector forms: the metaball over a triangle, as triangle_cone.c: 3/2 k_R - 1/2 k_{R/3}, k_R = (1 - r / R)^2. */
+#ifndef SKF_FIELD_BATCH_AREA_METABALL_H
+#define SKF_FIELD_BATCH_AREA_METABALL_H
+
+#include "field/batch_area_compact.h"
+
+/* With u = r / R, w = |z| / R, a = 1 - u, b = 1 - w: G0 = R^2 b^3 (4 - 3 b) / 12 */
+typedef struct cone_view {
+  skf_vd R, R2, per_R, per_R2, power[3], rm2, rm, w, b, G0;
+  skf_vi beyond, rim; /* the disc is seen from far beside itself; it is a small cap of the support */
+} cone_view;
+
+typedef struct cone_part {
+  skf_vd F, W, J; /* W = dF/dz / z */
+} cone_part;
+
+SKF_INLINE cone_view cone_see(const area_row *c, const area_view *f, double scale) {
+  skf_vd zero = vd_set(0), az = vd_abs(f->z), one = vd_set(1);
+  cone_view v = {.R = vd_set(scale) * c->param, .per_R = vd_set(1 / scale) * c->per_param};
+  v.R2 = v.R * v.R, v.per_R2 = v.per_R * v.per_R;
+  for (int i = 0; i < 3; i++) v.power[i] = v.R2 - f->r2[i];
+  v.rm2 = vd_max((v.R - az) * (v.R + az), zero), v.rm = vd_sqrt(v.rm2);
+  v.w = az * v.per_R, v.b = vd_max(one - v.w, zero);
+  v.G0 = v.R2 * vd_set(1. / 12) * v.b * v.b * v.b * vd_fnma(vd_set(3), v.b, vd_set(4));
+  v.rim = vd_set(2) * az > v.R;
+  v.beyond = ~f->inside & (vd_set(4) * f->lat2 > v.rm2);
+  return v;
+}
+
+/* An edge's part in the disc: antiderivatives, with int dl / r and the solid angle each as one function of the two
+   ends. They would cancel where the disc is a small cap. */
+SKF_INLINE cone_part cone_closed(const cone_view *v, const area_view *f, skf_vd d, const cut_view *e, skf_vi *good) {
+  skf_vd one = vd_set(1), zero = vd_set(0), az = vd_abs(f->z), dd = d * d, cc = dd + f->zz;
+  skf_vd b1 = vd_select(e->in, e->b1, -one), b2 = vd_select(e->in, e->b2, one), len = b2 - b1;
+  cc = vd_select(e->in, cc, one);
+  skf_vd r1 = vd_sqrt(vd_fma(b1, b1, cc)), r2 = vd_sqrt(vd_fma(b2, b2, cc)), rr = r1 * r2, bb = b1 * b2;
+  skf_vi right = b1 >= zero, aside = right | (b2 <= zero);
+  skf_vd a1 = vd_abs(b1), a2 = vd_abs(b2), sum = vd_abs(b1 + b2);
+  skf_vd base = vd_select(aside, vd_select(right, b1 + r1, r2 - b2) * (r1 + r2), cc);
+  skf_vd near = vd_fma(bb, bb, cc * vd_fma(b1, b1, b2 * b2)) / (rr + cc); /* r1 r2 - c^2 */
+  skf_vd top = vd_select(aside, len * (r1 + r2 + sum), vd_fma(a2, r1, vd_fma(a1, r2, a1 * a2)) + near);
+  skf_vd lam = vd_log_ratio(base + top, base, top), D1 = vd_fma(az, r1, cc), D2 = vd_fma(az, r2, cc);
+  skf_vd across = vd_fma(a2, r1, a1 * r2), beside = vd_fma(az, cc * sum / across, cc);
+  skf_vd rise = vd_select(aside, len * beside, vd_fma(b2, D1, -(b1 * D2)));
+  skf_vd solid = vd_atan2(d * rise, vd_fma(D1, D2, dd * bb));
+  *good &= ~e->in | (vd_sane(base) & vd_sane(cc));
+  skf_vd th = vd_fma(d, lam, -(az * solid)), third = vd_set(1. / 3);
+  skf_vd int_r = vd_set(0.5) * vd_fma(cc, lam, vd_fma(b2, r2, -(b1 * r1)));
+  skf_vd int_ll = len * third * vd_fma(b1, b1 + b2, b2 * b2), eight = vd_set(8);
+  cone_part p;
+  p.J = vd_fma(v->per_R2, vd_fma(cc, len, int_ll), len) - vd_set(2) * v->per_R * int_r;
+  skf_vd F = vd_fma(vd_set(3) * v->per_R2, vd_fma(cc + f->zz, len, int_ll), vd_set(6) * len);
+  p.F = vd_fma(d, vd_fnma(eight * v->per_R, int_r, F), -(eight * f->zz * v->per_R * th)) * vd_set(1. / 12);
+  p.W = -(vd_fma(vd_set(2) * v->R, th, -(d * len)) * v->per_R2);
+  p.F = (skf_vd)((skf_vi)p.F & e->in), p.W = (skf_vd)((skf_vi)p.W & e->in), p.J = (skf_vd)((skf_vi)p.J & e->in);
+  return p;
+}
+
+/* The same by panels: H-form, or G-form from beyond. */
+SKF_INLINE cone_part cone_panels(const cone_view *v, const area_view *f, skf_vd d, const cut_view *e, skf_vi some) {
+  skf_vd zero = vd_set(0), one = vd_set(1), three = vd_set(3), four = vd_set(4), dd = d * d, cc = dd + f->zz, w0 = v->w;
+  skf_vd scale = vd_select(v->beyond, vd_abs(d), vd_max(vd_sqrt(cc), vd_set(1e-12) * (e->b2 - e->b1)));
+  cone_part sum = {zero, zero, zero};
+  panel_view p = panel_over(e->b1, e->b2, e->b2 - e->b1, panel_scale(scale, e->b1, e->b2), some & e->in);
+  for (int k = 0; panel_next(&p, k); k++)
+    for (int j = 0; j < PANEL_NODES; j++) {
+      skf_vd l, w;
+      panel_node(&p, j, &l, &w);
+      skf_vd ll = l * l, u = vd_sqrt(cc + ll) * v->per_R, us = u + w0, inv = one / ((one + u) * us);
+      skf_vd a = (e->chord - l) * (e->chord + l) * v->per_R2 * (us * inv), aa = a * a, b = v->b, ab = a + b;
+      skf_vd per = (one + u) * inv; /* 1 / us */
+      skf_vd high = vd_fma(four, vd_fma(b, ab, aa), -(three * ab * vd_fma(b, b, aa))) * per;
+      skf_vd low = vd_fma(three, vd_fma(u, u, w0 * w0), vd_set(6)) - vd_set(8) * vd_fma(w0 * w0, per, u);
+      skf_vd H = vd_select(us > one, high, low) * vd_set(1. / 12), D = ab * per * v->per_R2;
+      skf_vd q = one / vd_select(v->beyond, dd + ll, one);
+      H = vd_select(v->beyond, v->R2 * vd_set(1. / 12) * aa * a * vd_fnma(three, a, four) * q, H);
+      sum.F = vd_fma(w, H, sum.F), sum.W = vd_fma(w, vd_select(v->beyond, aa * q, D), sum.W);
+      sum.J = vd_fma(w, aa, sum.J);
+    }
+  skf_vd sign = vd_select(v->beyond, -d, d);
+  return (cone_part){sign * sum.F, -sign * sum.W, sum.J};
+}
+
+SKF_INLINE skf_vvalue cone_value(const area_row *c, const area_view *f, double scale, bool panels) {
+  cone_view v = cone_see(c, f, scale);
+  skf_vd zero = vd_set(0);
+  skf_vi off = f->dist2 > v.R2 * vd_set(1 + SKF_PICK(1e-3, 1e-2)), clear = f->dist2 < v.R2 * vd_set(1 - 1e-3);
+  skf_vvalue none = {zero, {zero, zero, zero}, off};
+  if (vi_all(off)) return none;
+  for (int i = 0; i < 3; i++) clear &= vd_set(1024) * vd_abs(v.power[i]) > v.R2;
+  area_sum sum = {zero, zero, {zero, zero, zero}, zero, zero};
+  skf_vi thin = (v.rim | v.beyond) & clear, good = panels ? clear : clear & ~v.rim;
+  for (int i = 0; i < 3; i++) {
+    cut_view e = area_cut(c, f, i, v.power, v.rm, v.R);
+    skf_vi fine = vi_set(-1);
+    cone_part p = cone_closed(&v, f, f->d[i], &e, &fine);
+    skf_vd out = e.out;
+    if (panels && vi_any(thin)) {
+      cone_part q = cone_panels(&v, f, f->d[i], &e, thin);
+      p.F = vd_select(thin, q.F, p.F), p.W = vd_select(thin, q.W, p.W), p.J = vd_select(thin, q.J, p.J);
+      out = (skf_vd)((skf_vi)out & ~(thin & v.beyond));
+      fine |= thin;
+    }
+    good &= fine & ~e.rough;
+    skf_vd F = vd_fma(v.G0, out, p.F), Z = f->z * vd_fnma(v.b * v.b, out, p.W);
+    sum.J[i] = p.J, sum.F += F, sum.abs_F += vd_abs(F), sum.Z += Z, sum.abs_Z += vd_abs(Z);
+  }
+  return area_either(off, none, area_gather(c, f, &sum, good));
+}
+
+/* 3/2 a - 1/2 b */
+SKF_INLINE skf_vvalue cone_combine(skf_vvalue a, skf_vvalue b) {
+  skf_vd p = vd_set(1.5), q = vd_set(-0.5);
+  return (skf_vvalue){vd_fma(p, a.F, q * b.F), vd3_mad(vd3_scale(p, a.g), q, b.g), a.good & b.good};
+}
+
+SKF_INLINE skf_vvalue metaball_cones(const area_row *c, skf_v3d x, bool panels) {
+  area_view f = area_see(c, x);
+  skf_vd zero = vd_set(0), R2 = c->param2, reach2 = vd_max(vd_max(f.r2[0], f.r2[1]), f.r2[2]);
+  skf_vi finite = reach2 < vd_set(INFINITY), core = vd_set(9) * reach2 < R2;
+  skf_vi off = (f.dist2 > R2 * vd_set(1 + SKF_PICK(1e-3, 1e-2))) & finite, cones = finite & ~core & ~off;
+  skf_vvalue v = {zero, {zero, zero, zero}, off};
+  if (vi_any(core)) v = area_either(core, area_rule(AREA_CORE, c, &f, 2, core), v);
+  if (!vi_any(cones)) return v;
+  skf_vvalue outer = cone_value(c, &f, 1, panels), inner = cone_value(c, &f, 1. / 3, panels);
+  /* all in the support and far */
+  skf_vi far = ~outer.good & (reach2 < vd_set(0.99) * R2) & (f.dist2 > vd_set(2.25) * (c->diam * c->diam)) & cones;
+  if (panels && vi_any(far)) outer = area_either(far, area_rule(AREA_CONE, c, &f, 13, far), outer);
+  return area_either(cones, cone_combine(outer, inner), v);
+}
+
+SKF_INLINE skf_vvalue metaball_triangle(const area_row *c, skf_v3d x) { return metaball_cones(c, x, false); }
+SKF_INLINE skf_vvalue metaball_triangle_thin(const area_row *c, skf_v3d x) { return metaball_cones(c, x, true); }
+
+SKF_BATCH_FORM(metaball_triangle, area, metaball_triangle_thin)
+
+#endif
