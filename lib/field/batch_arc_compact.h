@@ -119,7 +119,7 @@ SKF_INLINE skf_vvalue polynomial_arc(const compact_arc_row *c, skf_v3d x, double
   disc_view d = arc_disc(c, &f);
   skf_vd zero = vd_set(0), chi0, per_R2 = c->per_R * c->per_R;
   arc_sum s = {zero, zero, zero};
-  if (!vi_any(d.some)) return compact_finish(c, &f, &d, &s, zero, zero);
+  if (!vi_any(d.some)) return compact_finish(c, &f, &d, &s, vd_set(-2) * per_R2, zero);
   tips_view t = arc_tips(c, &f, &d, &chi0);
   skf_vd chi1 = chi0 + c->half, turn = vd_set(SKF_PI);
   window_view front = arc_window(c, &d, chi0, chi1), back = arc_window(c, &d, chi0 - turn, chi1 - turn);
@@ -142,12 +142,12 @@ SKF_INLINE skf_vvalue polynomial_circle(const compact_arc_row *c, skf_v3d x, dou
   return compact_finish(c, &f, &d, &s, vd_set(-2) * c->per_R * c->per_R, zero);
 }
 
-SKF_INLINE skf_vvalue quartic_arc(const compact_arc_row *c, skf_v3d x) { return polynomial_arc(c, x, 1, 0); }
-SKF_INLINE skf_vvalue quartic_circle(const compact_arc_row *c, skf_v3d x) { return polynomial_circle(c, x, 1, 0); }
-SKF_INLINE skf_vvalue soft_object_arc(const compact_arc_row *c, skf_v3d x) {
+SKF_OUTLINE skf_vvalue quartic_arc(const compact_arc_row *c, skf_v3d x) { return polynomial_arc(c, x, 1, 0); }
+SKF_OUTLINE skf_vvalue quartic_circle(const compact_arc_row *c, skf_v3d x) { return polynomial_circle(c, x, 1, 0); }
+SKF_OUTLINE skf_vvalue soft_object_arc(const compact_arc_row *c, skf_v3d x) {
   return polynomial_arc(c, x, 5. / 9, 4. / 9);
 }
-SKF_INLINE skf_vvalue soft_object_circle(const compact_arc_row *c, skf_v3d x) {
+SKF_OUTLINE skf_vvalue soft_object_circle(const compact_arc_row *c, skf_v3d x) {
   return polynomial_circle(c, x, 5. / 9, 4. / 9);
 }
 

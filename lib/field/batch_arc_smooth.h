@@ -55,8 +55,8 @@ SKF_INLINE skf_vvalue inverse_arc_by(const arc_row *c, skf_v3d x, int count) {
   return arc_finish(c, &f, rho2 * I, -(rho2 * A), -rho2 * vd_fma(-al, A, I) / be, ends, good);
 }
 
-SKF_INLINE skf_vvalue inverse_arc(const arc_row *c, skf_v3d x) { return inverse_arc_by(c, x, 5); }
-SKF_INLINE skf_vvalue inverse_arc_slow(const arc_row *c, skf_v3d x) { return inverse_arc_by(c, x, 7); }
+SKF_OUTLINE skf_vvalue inverse_arc(const arc_row *c, skf_v3d x) { return inverse_arc_by(c, x, 5); }
+SKF_OUTLINE skf_vvalue inverse_arc_slow(const arc_row *c, skf_v3d x) { return inverse_arc_by(c, x, 7); }
 
 /* From delta, int cos^2 and int sin^2 of the span in which r^2 = alpha cos^2 chi + beta sin^2 chi is 1. */
 SKF_INLINE skf_vvalue squared_gather(const arc_row *c, const arc_view *f, skf_vd per_D, skf_vd delta, skf_vd c2,

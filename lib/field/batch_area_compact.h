@@ -147,13 +147,13 @@ SKF_INLINE skf_vvalue disc_triangle_beyond(bool soft, const area_row *c, skf_v3d
   return disc_edges(soft, true, c, &f, &disc, good);
 }
 
-SKF_INLINE skf_vvalue quartic_triangle(const area_row *c, skf_v3d x) { return disc_triangle(false, c, x); }
-SKF_INLINE skf_vvalue soft_object_triangle(const area_row *c, skf_v3d x) { return disc_triangle(true, c, x); }
+SKF_OUTLINE skf_vvalue quartic_triangle(const area_row *c, skf_v3d x) { return disc_triangle(false, c, x); }
+SKF_OUTLINE skf_vvalue soft_object_triangle(const area_row *c, skf_v3d x) { return disc_triangle(true, c, x); }
 
-SKF_INLINE skf_vvalue quartic_triangle_beyond(const area_row *c, skf_v3d x) {
+SKF_OUTLINE skf_vvalue quartic_triangle_beyond(const area_row *c, skf_v3d x) {
   return disc_triangle_beyond(false, c, x);
 }
-SKF_INLINE skf_vvalue soft_object_triangle_beyond(const area_row *c, skf_v3d x) {
+SKF_OUTLINE skf_vvalue soft_object_triangle_beyond(const area_row *c, skf_v3d x) {
   return disc_triangle_beyond(true, c, x);
 }
 

@@ -99,7 +99,7 @@ SKF_INLINE skf_vd gaussian_change2(const area_row *c, const area_view *f) {
   return c->param2 * (c->diam * c->diam) * vd_max(vd_set(1), c->param2 * f->dist2);
 }
 
-SKF_INLINE skf_vvalue gaussian_triangle(const area_row *c, skf_v3d x) {
+SKF_OUTLINE skf_vvalue gaussian_triangle(const area_row *c, skf_v3d x) {
   area_view f = area_see(c, x);
   skf_vd zero = vd_set(0), y = c->param2 * f.dist2;
   skf_vi gone = (y > vd_set(VD_EXP_ZERO)) & (y < vd_set(INFINITY));
@@ -110,7 +110,7 @@ SKF_INLINE skf_vvalue gaussian_triangle(const area_row *c, skf_v3d x) {
 }
 
 /* Small triangles where the edges cancel */
-SKF_INLINE skf_vvalue gaussian_triangle_small(const area_row *c, skf_v3d x) {
+SKF_OUTLINE skf_vvalue gaussian_triangle_small(const area_row *c, skf_v3d x) {
   area_view f = area_see(c, x);
   skf_vi even = (gaussian_change2(c, &f) < vd_set(9)) & (c->param2 * c->diam * c->diam < vd_set(2.25));
   even &= c->param2 * f.dist2 < vd_set(GAUSSIAN_SEEN);

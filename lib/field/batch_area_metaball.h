@@ -130,8 +130,8 @@ SKF_INLINE skf_vvalue metaball_cones(const area_row *c, skf_v3d x, bool panels) 
   return area_either(cones, cone_combine(outer, inner), v);
 }
 
-SKF_INLINE skf_vvalue metaball_triangle(const area_row *c, skf_v3d x) { return metaball_cones(c, x, false); }
-SKF_INLINE skf_vvalue metaball_triangle_thin(const area_row *c, skf_v3d x) { return metaball_cones(c, x, true); }
+SKF_OUTLINE skf_vvalue metaball_triangle(const area_row *c, skf_v3d x) { return metaball_cones(c, x, false); }
+SKF_OUTLINE skf_vvalue metaball_triangle_thin(const area_row *c, skf_v3d x) { return metaball_cones(c, x, true); }
 
 SKF_BATCH_FORM(metaball_triangle, area, metaball_triangle_thin)
 

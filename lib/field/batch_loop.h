@@ -178,6 +178,9 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     if (!v->good[i]) v->good[i] = -1, v->F[i] = v->g.x[i] = v->g.y[i] = v->g.z[i] = 0;
 }
 
+/* Of a long form there is one copy, that its loops call. */
+#define SKF_OUTLINE static __attribute__((noinline))
+
 #define SKF_BATCH_LOOPS(name, row_name, again, flight, unroll)                                                         \
   typedef row_name##_row name##_row;                                                                                   \
   static double *name##_pack(const skf_prepared *e, double *k) { return row_name##_pack(e, k); }                       \

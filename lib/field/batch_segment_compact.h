@@ -73,14 +73,16 @@ SKF_INLINE skf_vvalue polynomial_segment(const segment_row *c, skf_v3d x, double
   return clip_result(c, &f, &v, half * F, vd_set(-2) * per_R2 * half * g, ends);
 }
 
-SKF_INLINE skf_vvalue quartic_segment(const segment_row *c, skf_v3d x) { return polynomial_segment(c, x, 1, 0, false); }
-SKF_INLINE skf_vvalue quartic_segment_rim(const segment_row *c, skf_v3d x) {
+SKF_OUTLINE skf_vvalue quartic_segment(const segment_row *c, skf_v3d x) {
+  return polynomial_segment(c, x, 1, 0, false);
+}
+SKF_OUTLINE skf_vvalue quartic_segment_rim(const segment_row *c, skf_v3d x) {
   return polynomial_segment(c, x, 1, 0, true);
 }
-SKF_INLINE skf_vvalue soft_object_segment(const segment_row *c, skf_v3d x) {
+SKF_OUTLINE skf_vvalue soft_object_segment(const segment_row *c, skf_v3d x) {
   return polynomial_segment(c, x, 5. / 9, 4. / 9, false);
 }
-SKF_INLINE skf_vvalue soft_object_segment_rim(const segment_row *c, skf_v3d x) {
+SKF_OUTLINE skf_vvalue soft_object_segment_rim(const segment_row *c, skf_v3d x) {
   return polynomial_segment(c, x, 5. / 9, 4. / 9, true);
 }
 
@@ -183,8 +185,8 @@ SKF_INLINE skf_vvalue metaball_clipped(const segment_row *c, skf_v3d x, bool exa
   return clip_result(c, &f, &v, s.F, s.g, shell_ends(c, &v, r0, r1));
 }
 
-SKF_INLINE skf_vvalue metaball_segment(const segment_row *c, skf_v3d x) { return metaball_clipped(c, x, false); }
-SKF_INLINE skf_vvalue metaball_segment_rim(const segment_row *c, skf_v3d x) { return metaball_clipped(c, x, true); }
+SKF_OUTLINE skf_vvalue metaball_segment(const segment_row *c, skf_v3d x) { return metaball_clipped(c, x, false); }
+SKF_OUTLINE skf_vvalue metaball_segment_rim(const segment_row *c, skf_v3d x) { return metaball_clipped(c, x, true); }
 
 SKF_BATCH_FORM(quartic_segment, segment, quartic_segment_rim)
 SKF_BATCH_FORM(soft_object_segment, segment, soft_object_segment_rim)
