@@ -38,6 +38,7 @@ static inline void rnd_primitive(uint64_t *state, skf_shape shape, double scale,
   }
   case SKF_TRIANGLE: p->triangle = (skf_triangle){{a, b, c}}; break;
   case SKF_PLANE: p->plane = (skf_plane){v3_scale(0.3, a), n}; break;
+  case SKF_SOLID: /* it has tests of its own */
   case SKF_SHAPE_COUNT: break;
   }
 }

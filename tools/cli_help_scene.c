@@ -21,8 +21,10 @@ static void put_section(FILE *f, const skf_section *s) {
 }
 
 static void put_shape(FILE *f, const skf_shape_info *s) {
-  static const char *const forms[] = {
-      [SKF_PARAM_NUMBER] = "a number", [SKF_PARAM_ANGLE] = "a number", [SKF_PARAM_VECTOR] = "[x, y, z]"};
+  static const char *const forms[] = {[SKF_PARAM_NUMBER] = "a number",
+                                      [SKF_PARAM_ANGLE] = "a number",
+                                      [SKF_PARAM_VECTOR] = "[x, y, z]",
+                                      [SKF_PARAM_SOLID] = "a file name"};
   fprintf(f, "\n%s: %s\n", s->name, s->doc);
   for (int i = 0; i < s->param_count; i++) {
     const skf_param *p = s->params + i;

@@ -54,6 +54,26 @@ static int mesh_file(const char *path, report *r) {
   return e ? cli_fail_status(e, path) : CLI_DONE;
 }
 
+/* The meshes of a body's solids. */
+static int solids(const skf_body *b, report *r) {
+  for (size_t i = 0; i < b->element_count; i++) {
+    const skf_primitive *p = &b->elements[i].primitive;
+    if (p->shape != SKF_SOLID) continue;
+    const skf_solid_info *info = skf_solid_get(p->solid);
+    /* borrowed: validate_mesh only looks */
+    skf_mesh m = {.vertex_count = info->vertices,
+                  .triangle_count = info->faces,
+                  .vertices = (skf_vec3 *)(size_t)skf_solid_vertices(p->solid),
+                  .triangles = (unsigned(*)[3])(size_t)skf_solid_faces(p->solid)};
+    section *s = add_section(r);
+    if (!s) return cli_fail(CLI_FAILED, "out of memory");
+    section_start(s, "solid of %s, line %ld", b->name, b->element_lines[i]);
+    skf_status e = validate_mesh(&m, s);
+    if (e) return cli_fail_status(e, b->name);
+  }
+  return CLI_DONE;
+}
+
 static int one_body(const skf_body *b, double edge, report *r) {
   skf_mesh mesh;
   skf_mesh_report made;
@@ -62,9 +82,11 @@ static int one_body(const skf_body *b, double edge, report *r) {
   section_start(s, "skeleton of %s", b->name);
   skf_status e = validate_skeleton(b, s);
   if (e) return cli_fail_status(e, b->name);
+  int status = solids(b, r);
+  if (status != CLI_DONE) return status;
   s = add_section(r);
   if (!s) return cli_fail(CLI_FAILED, "out of memory");
-  int status = mesh_body(b, edge, &mesh, &made);
+  status = mesh_body(b, edge, &mesh, &made);
   if (status != CLI_DONE) return status;
   section_start(s, "surface of %s, F = %.9g, edge %.4g", b->name, b->iso, made.edge);
   e = validate_mesh(&mesh, s);
@@ -132,6 +154,7 @@ const cli_command cmd_validate = {
     "A mesh (PLY, OBJ, OFF, STL) is checked for being closed, manifold, oriented outwards and free of\n"
     "self-intersections, duplicate and degenerate faces; CGAL does the geometry with exact predicates.\n"
     "Of a scene, each body's skeleton is checked for degenerate, duplicate and overlapping primitives,\n"
+    "the meshes of its solids as above,\n"
     "and its surface is meshed, checked likewise, and compared with its field: distance of the vertices,\n"
     "rays through CGAL's AABB tree against the ray solver, volume against a quadrature of the inside.\n"
     "Exit status 1 when a check fails.\n"

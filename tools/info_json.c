@@ -20,6 +20,36 @@ static void put_primitives(cli_json *j, const info_body *b) {
   json_close(j, '}');
 }
 
+static void put_solids(cli_json *j, const skf_body *body) {
+  static const char *const names[6] = {"xx", "xy", "xz", "yy", "yz", "zz"};
+  json_open(j, "solids", '[');
+  for (size_t i = 0; i < body->element_count; i++) {
+    const skf_element *e = body->elements + i;
+    if (e->primitive.shape != SKF_SOLID) continue;
+    const skf_solid_info *s = skf_solid_get(e->primitive.solid);
+    double m = body->rho * e->strength;
+    json_open(j, NULL, '{');
+    json_integer(j, "line", body->element_lines[i]);
+    json_integer(j, "vertices", (long)s->vertices);
+    json_integer(j, "faces", (long)s->faces);
+    json_integer(j, "edges", (long)s->edges);
+    json_integer(j, "components", (long)s->components);
+    json_integer(j, "joined_vertices", (long)s->joined);
+    json_integer(j, "unused_vertices", (long)s->unused);
+    json_integer(j, "dropped_faces", (long)s->dropped);
+    json_number(j, "area", s->area);
+    json_number(j, "volume", s->volume);
+    json_number(j, "mass", m * s->volume);
+    json_vector(j, "center", s->center);
+    json_open(j, "inertia", '{');
+    for (int k = 0; k < 6; k++) json_number(j, names[k], m * s->inertia[k]);
+    json_close(j, '}');
+    put_box(j, "bounds", s->bounds);
+    json_close(j, '}');
+  }
+  json_close(j, ']');
+}
+
 static void put_pair(cli_json *j, skf_kernel_type kernel, skf_shape shape) {
   skf_pair_info pair = skf_pair_get(kernel, shape);
   json_open(j, NULL, '{');
@@ -88,6 +118,7 @@ static void put_body(cli_json *j, const skf_scene *scene, const skf_body *body) 
   json_number(j, "iso", body->iso);
   json_integer(j, "primitive_count", (long)body->element_count);
   put_primitives(j, &b);
+  if (b.count[SKF_SOLID]) put_solids(j, body);
   json_number(j, "weighted_measure", b.total);
   if (b.profiled) json_integer(j, "profiled", (long)b.profiled);
   json_bool(j, "mass_given", body->has_mass);

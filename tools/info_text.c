@@ -12,11 +12,8 @@ static void put_vector(FILE *f, const char *label, skf_vec3 v) {
 }
 
 static void put_primitives(FILE *f, const info_body *b) {
-  static const char *const what[] = {[SKF_POINT] = NULL,
-                                     [SKF_SEGMENT] = "length",
-                                     [SKF_ARC] = "length",
-                                     [SKF_TRIANGLE] = "area",
-                                     [SKF_PLANE] = "area"};
+  static const char *const what[] = {[SKF_POINT] = NULL,      [SKF_SEGMENT] = "length", [SKF_ARC] = "length",
+                                     [SKF_TRIANGLE] = "area", [SKF_PLANE] = "area",     [SKF_SOLID] = "volume"};
   const char *comma = "";
   fprintf(f, "  %-*s", LABEL, "skeleton");
   for (int i = 0; i < SKF_SHAPE_COUNT; i++) {
@@ -28,6 +25,25 @@ static void put_primitives(FILE *f, const info_body *b) {
   fprintf(f, "\n  %-*s", LABEL, "");
   put_box(f, b->skeleton);
   fprintf(f, "\n  %-*s%.10g (sum of strength times measure)\n", LABEL, "measure", b->total);
+}
+
+static void put_solids(FILE *f, const skf_body *body, double rho) {
+  for (size_t i = 0; i < body->element_count; i++) {
+    const skf_element *e = body->elements + i;
+    if (e->primitive.shape != SKF_SOLID) continue;
+    const skf_solid_info *s = skf_solid_get(e->primitive.solid);
+    double m = rho * e->strength;
+    fprintf(f, "  %-*s%zu vertices, %zu faces, %zu edges, %zu component%s; area %.10g, volume %.10g\n", LABEL, "solid",
+            s->vertices, s->faces, s->edges, s->components, s->components == 1 ? "" : "s", s->area, s->volume);
+    if (s->joined || s->unused || s->dropped)
+      fprintf(f, "  %-*s  %zu equal vertices joined, %zu unused ones and %zu faces without area left out\n", LABEL, "",
+              s->joined, s->unused, s->dropped);
+    fprintf(f, "  %-*s  mass %.10g, centre ", LABEL, "", m * s->volume);
+    put_vector(f, "", s->center);
+    fprintf(f, "\n  %-*s  inertia about it: xx %.10g, xy %.10g, xz %.10g, yy %.10g, yz %.10g, zz %.10g\n", LABEL, "",
+            m * s->inertia[0], m * s->inertia[1], m * s->inertia[2], m * s->inertia[3], m * s->inertia[4],
+            m * s->inertia[5]);
+  }
 }
 
 static void put_kernels(FILE *f, const info_body *b) {
@@ -77,6 +93,7 @@ static void put_body(FILE *f, const skf_scene *scene, const skf_body *body) {
   info_gather(scene, body, &b);
   fprintf(f, "body %s (line %ld)\n", body->name, body->line);
   put_primitives(f, &b);
+  put_solids(f, body, body->rho);
   put_kernels(f, &b);
   if (b.profiled)
     fprintf(f, "  %-*s%zu %s: weighted sums, relative error 1e-12\n", LABEL, "profiles", b.profiled,

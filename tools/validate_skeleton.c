@@ -35,12 +35,16 @@ static int sort_key(const skf_vec3 *a, const skf_vec3 *b) {
 /* Points that describe where a primitive is, in an order that does not depend on its direction. */
 static int landmarks(const skf_primitive *p, skf_vec3 at[4]) {
   static const double s[SKF_SHAPE_COUNT][4] = {
-      [SKF_POINT] = {0}, [SKF_SEGMENT] = {0, 1}, [SKF_ARC] = {0, 0.25, 0.5, 1}, [SKF_PLANE] = {0}};
+      [SKF_POINT] = {0}, [SKF_SEGMENT] = {0, 1}, [SKF_ARC] = {0, 0.25, 0.5, 1}, [SKF_PLANE] = {0}, [SKF_SOLID] = {0}};
   static const int counts[SKF_SHAPE_COUNT] = {
-      [SKF_POINT] = 1, [SKF_SEGMENT] = 2, [SKF_ARC] = 4, [SKF_TRIANGLE] = 3, [SKF_PLANE] = 2};
+      [SKF_POINT] = 1, [SKF_SEGMENT] = 2, [SKF_ARC] = 4, [SKF_TRIANGLE] = 3, [SKF_PLANE] = 2, [SKF_SOLID] = 3};
   int n = counts[p->shape];
   for (int k = 0; k < n; k++)
     at[k] = p->shape == SKF_TRIANGLE ? p->triangle.vertices[k] : skf_primitive_point(p, s[p->shape][k], 0);
+  if (p->shape == SKF_SOLID) {
+    const skf_solid_info *solid = skf_solid_get(p->solid);
+    at[0] = solid->bounds.lo, at[1] = solid->bounds.hi, at[2] = solid->center;
+  }
   if (p->shape == SKF_PLANE) {
     skf_vec3 u = v3_unit(p->plane.normal);
     at[0] = v3_scale(v3_dot(u, p->plane.through), u); /* the foot of the origin */

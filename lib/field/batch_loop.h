@@ -289,7 +289,7 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     if (!exact) sum_tile(tile, values, sum);                                                                           \
   }
 
-static void batch_total(size_t n, const skf_batch_sum *sum, int k, double *out) {
+static inline void batch_total(size_t n, const skf_batch_sum *sum, int k, double *out) {
   for (size_t i = 0; i < n; i += SKF_LANES) {
     skf_vd F = vd_load(sum->s[0] + i), s = vd_load(sum->s[k] + i), low = vd_load(sum->low[k] + i), zero = vd_set(0);
     skf_vd v = vd_select(s - s == zero, s + low, s), kept = k == 0 ? v : vd_select(F - F == zero, v, zero);

@@ -5,6 +5,7 @@
 #include "field/kernel.h"
 #include "core/vec3.h"
 #include "field/weight.h"
+#include "field/solid.h"
 
 /* By how much each shell is thicker than the last: quick, for tables, for regions. */
 #define COARSE 1.5
@@ -123,6 +124,11 @@ skf_bound skf_element_bound(const skf_element *e, skf_vec3 center, double radius
     b = plane_bound(e, fmax(z - radius, 0), z + radius);
     double slack = 1e-12 * (z + radius) * b.gradient;
     if (isfinite(slack)) b.lo -= slack, b.hi += slack;
+  } else if (e->primitive.shape == SKF_SOLID) {
+    const skf_solid *s = e->primitive.solid;
+    skf_envelope v = skf_solid_around(s, center, radius);
+    double farthest = skf_solid_get(s)->volume / (skf_solid_distance_max(s, center) + radius);
+    b = (skf_bound){tight * farthest, loose * v.value, v.slope, v.bend, v.fourth};
   } else {
     reach m = reach_from(&e->primitive, center);
     skf_envelope v = shells(e->kernel, &m, radius, COARSE);
@@ -143,6 +149,7 @@ skf_bound skf_element_bound(const skf_element *e, skf_vec3 center, double radius
 skf_envelope skf_element_reach(const skf_element *e, double d) {
   const skf_primitive *p = &e->primitive;
   if (p->shape == SKF_PLANE) return skf_plane_envelope(e->kernel, d);
+  if (p->shape == SKF_SOLID) return skf_solid_envelope((1 + 1e-12) * skf_primitive_measure(p), d, d);
   /* worst at a distance d: beside a segment's middle, above a triangle, for arcs see arc_within */
   reach m = {.shape = p->shape, .total = skf_primitive_measure(p), .near = d, .far = d, .h2 = d * d};
   if (p->shape == SKF_SEGMENT) {

@@ -43,6 +43,7 @@ skf_vec3 skf_handles_place(const skf_primitive *p, double r) {
     return beside(center, r, v3_cross(v3_sub(v[1], v[0]), v3_sub(v[2], v[0])));
   }
   case SKF_PLANE: return beside(p->plane.through, r, p->plane.normal);
+  case SKF_SOLID: return beside(skf_solid_get(p->solid)->bounds.hi, r, v3(1, 1, 1)); /* no radius is asked of it */
   default: return beside(p->point.at, r, v3(1, 0, 0));
   }
 }
@@ -162,6 +163,8 @@ skf_status skf_handles_solve(const skf_handles *given, double iso, unsigned fixe
   const skf_kernel_info *info = n ? skf_kernel_get(e->kernel.type) : NULL;
   if (!info || !isfinite(iso)) return refuse(SKF_ERR_ARG, "no element or no iso", why);
   skf_kernel_type type = e->kernel.type;
+  if (e->primitive.shape == SKF_SOLID)
+    return refuse(SKF_ERR_UNSUPPORTED, "a solid has no such handles, expected strength or iso", why);
   const char *wrong = range(&g, type);
   if (wrong) return refuse(SKF_ERR_RANGE, wrong, why);
   if ((wrong = contradiction(&g, fixed, info->param))) return refuse(SKF_ERR_ARG, wrong, why);

@@ -2,6 +2,7 @@
 #include "field/arc_frame.h"
 #include "field/segment_frame.h"
 #include "field/simple.h"
+#include "field/solid.h"
 #include "field/triangle.h"
 #include "num/elliptic.h"
 #include "num/gauss.h"
@@ -164,10 +165,14 @@ const skf_kernel_ops skf_kernel_inverse = {
     .closed[SKF_ARC] = arc,
     .closed[SKF_TRIANGLE] = skf_triangle_inverse,
     .closed[SKF_PLANE] = plane,
+    .closed[SKF_SOLID] = skf_solid_inverse,
     .singular[SKF_POINT] = "the point itself: F = +infinity, gradient 0",
     .singular[SKF_SEGMENT] = "the segment with its ends: F = +infinity, gradient 0",
     .singular[SKF_ARC] = "the arc with its ends: F = +infinity, gradient 0",
     .singular[SKF_TRIANGLE] = "on it F is finite and the gradient jumps across: the mean; on an edge the gradient is "
                               "infinite and the edge's own term is left out",
     .singular[SKF_PLANE] = "on it the gradient jumps: F = 0 and the mean gradient, 0",
+    .singular[SKF_SOLID] =
+        "nowhere for F and its gradient; the Hessian jumps across faces by 4 pi: the mean; on an edge "
+        "it is infinite and the edge's own term is left out",
 };

@@ -28,6 +28,7 @@ typedef struct skf_prepared {
     skf_arc_plan arc;
     skf_plane_plan plane;
     skf_triangle_plan triangle;
+    const struct skf_solid_ops *solid; /* how it is evaluated here; what it keeps is in the solid itself */
   } plan;
 } skf_prepared;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "field/extreme.h"
 #include "field/kernel.h"
+#include "field/solid.h"
 #include "skeleton/shape.h"
 
 static void segment(const skf_segment *s, skf_segment_plan *out) {
@@ -50,4 +51,5 @@ void skf_prepare(const skf_element *e, skf_prepared *out) {
   if (e->primitive.shape == SKF_ARC) arc(&e->primitive.arc, &out->plan.arc);
   if (e->primitive.shape == SKF_PLANE) plane(&e->primitive.plane, &out->plan.plane);
   if (e->primitive.shape == SKF_TRIANGLE) skf_triangle_prepare(&e->primitive.triangle, &out->plan.triangle);
+  if (e->primitive.shape == SKF_SOLID) out->plan.solid = skf_solid_ops_get(skf_isa_pick());
 }

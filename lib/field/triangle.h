@@ -17,6 +17,9 @@ void skf_triangle_gaussian(const skf_prepared *e, skf_vec3 x, int order, skf_val
    returned. On an edge or a corner the gradient is infinite along the surface: the edge's own term is left out. */
 void skf_triangle_inverse(const skf_prepared *e, skf_vec3 x, int order, skf_value *v);
 
+/* The solid angle of a triangle, positive where its vertices run clockwise, that is from behind; 0 on its plane. */
+double skf_triangle_angle(const skf_triangle *triangle, skf_vec3 x);
+
 /* 1 / r^2. On the closed triangle F = +infinity, gradient and Hessian 0. */
 void skf_triangle_inverse_squared(const skf_prepared *e, skf_vec3 x, int order, skf_value *v);
 

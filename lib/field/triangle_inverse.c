@@ -37,3 +37,15 @@ void skf_triangle_inverse(const skf_prepared *e, skf_vec3 x, int order, skf_valu
   edges(&g, order, &s);
   skf_triangle_settle(eval, 0, 0, &g, &s, order, v);
 }
+
+double skf_triangle_angle(const skf_triangle *triangle, skf_vec3 x) {
+  skf_triangle_plan T;
+  skf_triangle_view g;
+  double sum = 0;
+  skf_triangle_prepare(triangle, &T);
+  skf_triangle_face(&T, x, &g);
+  skf_triangle_look(&g);
+  for (int i = 0; i < 3; i++)
+    sum += skf_edge_solid(g.d[i], g.z, g.d[i] * g.d[i] + g.z * g.z, g.l1[i], g.r[i], g.l2[i], g.r[(i + 1) % 3]);
+  return g.z < 0 ? sum : g.z > 0 ? -sum : 0;
+}

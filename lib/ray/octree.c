@@ -60,6 +60,7 @@ static outlook look_out(const skf_octree *t, skf_vec3 c, double radius, const sk
     skf_grade g = skf_source_grade(s, fmax(d * (1 - 1e-12) - radius, 0), d * (1 + 1e-12) + radius);
     if (s->disc && d < s->reach) g.below = fmax(g.below, skf_source_disc(s, c, radius));
     if (s->sheet && d < s->reach) g.above.slope = fmin(g.above.slope, skf_source_steepness(s, c, radius));
+    if (s->bulk && d < s->reach) g.above = skf_source_bulk(s, c, radius);
     if (!(g.above.value > 0)) continue;
     kept[(*keep)++] = in->list[i];
     o.lo += skf_weight_times(s->least, s->least > 0 ? g.below : g.above.value);

@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "core/vec3.h"
 #include "field/bound.h"
+#include "field/solid.h"
 #include "skeleton/shape.h"
 #include <float.h>
 #include <stdint.h>
@@ -14,6 +15,7 @@ enum { PER_OCTAVE = 8 };
    mu (s / size)^power: one way along a segment, both ways around a circle, a triangle shrunk towards the point. */
 static double infimum(const skf_source *s, double d) {
   skf_shape shape = s->element.primitive.shape;
+  if (shape == SKF_SOLID) return s->measure / (d + 2 * s->reach) * (1 - 1e-12);
   double size = shape == SKF_TRIANGLE ? 2 * s->reach : s->whole ? 0.5 * s->measure : s->measure, sum = 0, part[4];
   if (shape == SKF_POINT) {
     skf_kernel_eval(s->element.kernel, d * d, part);
@@ -64,6 +66,8 @@ static void frame(skf_source *s) {
   } else if (p->shape == SKF_TRIANGLE) {
     s->disc = s->element.kernel.type == SKF_INVERSE_SQUARED;
     s->sheet = s->element.kernel.type == SKF_INVERSE;
+  } else if (p->shape == SKF_SOLID) {
+    s->bulk = true;
   } else if (p->shape == SKF_PLANE) {
     s->a = p->plane.through;
     s->b = v3_unit(p->plane.normal);
@@ -136,6 +140,10 @@ double skf_source_steepness(const skf_source *s, skf_vec3 x, double radius) {
     sum += 2 * asinh(0.5 * v3_dist(v[i], v[(i + 1) % 3]) / d);
   }
   return sum * (1 + 1e-12);
+}
+
+skf_envelope skf_source_bulk(const skf_source *s, skf_vec3 x, double radius) {
+  return skf_solid_around(s->element.primitive.solid, x, radius);
 }
 
 /* Grade whose distance is the largest <= d; below the table: -1, beyond: grades. */

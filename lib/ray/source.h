@@ -24,6 +24,7 @@ typedef struct skf_source {
   skf_vec3 a, b, c;
   double length, cosine;
   bool whole, disc, sheet; /* a full circle; skf_source_disc, skf_source_steepness are of use */
+  bool bulk;               /* a solid: skf_source_bulk is of use */
   /* grades at unit, ... growing by eighths of octaves; none for points and planes */
   size_t grades;
   double unit;
@@ -50,5 +51,8 @@ double skf_source_disc(const skf_source *s, skf_vec3 x, double radius);
 /* For triangles of the inverse kernel, whose gradient jumps across them: an upper bound of its length within `radius`
    of x. It is at most 2 pi across, and along the triangle the sum of the integrals of 1 / r over the edges. */
 double skf_source_steepness(const skf_source *s, skf_vec3 x, double radius);
+
+/* For solids, whose derivatives depend on the distance from the surface, inside too: suprema within `radius` of x. */
+skf_envelope skf_source_bulk(const skf_source *s, skf_vec3 x, double radius);
 
 #endif

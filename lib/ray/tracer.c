@@ -86,6 +86,7 @@ static skf_status add_sources(skf_tracer *t, bool linear, int *first, bool *mixe
     skf_pair_info pair = skf_pair_get(e->kernel.type, e->primitive.shape);
     if (!pair.closed) t->noise = fmax(t->noise, pair.error);     /* adaptive quadrature is not smooth */
     if (e->profile) t->noise = fmax(t->noise, 32 * DBL_EPSILON); /* of the sums over its nodes */
+    if (e->primitive.shape == SKF_SOLID) t->noise = fmax(t->noise, 32 * DBL_EPSILON); /* long sums */
     skf_status s = skf_source_init(e, t->sources + t->n);
     if (s) return s;
     int sign = sign_of((skf_weight_range){t->sources[t->n].least, t->sources[t->n].most});

@@ -84,6 +84,7 @@ static cell enclose(const skf_walk *w, double a, double b) {
     skf_grade g = skf_source_grade(s, fmax(d * (1 - 1e-12) - reach, 0), d * (1 + 1e-12) + reach);
     if (s->disc && d < s->reach) g.below = fmax(g.below, skf_source_disc(s, p, reach));
     if (s->sheet && d < s->reach) g.above.slope = fmin(g.above.slope, skf_source_steepness(s, p, reach));
+    if (s->bulk && d < s->reach) g.above = skf_source_bulk(s, p, reach);
     c.lo += skf_weight_times(s->least, s->least > 0 ? g.below : g.above.value);
     c.hi += skf_weight_times(s->most, s->most > 0 ? g.above.value : g.below);
     if (L2 == 0) continue; /* along the plane: constant */

@@ -15,7 +15,7 @@ skf_status skf_keep_points(skf_reader *r, const skf_node *value, void *into) {
   return skf_expect(r, value, SKF_NODE_LIST, "the points", points_form);
 }
 
-static skf_status keep_file(skf_reader *r, const skf_node *value, void *into) {
+skf_status skf_keep_file(skf_reader *r, const skf_node *value, void *into) {
   static const char form[] = "the name of a mesh file";
   ((skf_entry *)into)->file = value;
   skf_status s = skf_expect(r, value, SKF_NODE_SCALAR, "file", form);
@@ -110,8 +110,8 @@ static skf_status expand_box(skf_reader *r, const skf_entry *e, skf_pieces *into
   return status;
 }
 
-/* Reads the mesh; its messages get the file's name in front, and what was expected where they do not tell. */
-static skf_status read_mesh(skf_reader *r, const skf_node *file, skf_mesh *mesh) {
+/* Its messages get the file's name in front, and what was expected where they do not tell. */
+skf_status skf_read_mesh(skf_reader *r, const skf_node *file, skf_mesh *mesh) {
   const char *name = skf_node_text(&r->yaml, file);
   size_t size = strlen(r->folder) + strlen(name) + 2;
   char *path = skf_alloc(size, 1);
@@ -136,7 +136,7 @@ static skf_status read_mesh(skf_reader *r, const skf_node *file, skf_mesh *mesh)
 
 static skf_status expand_mesh(skf_reader *r, const skf_entry *e, skf_pieces *into) {
   skf_mesh m = {0};
-  skf_status s = read_mesh(r, e->file, &m);
+  skf_status s = skf_read_mesh(r, e->file, &m);
   for (size_t i = 0; i < m.triangle_count && !s; i++) {
     const unsigned *t = m.triangles[i];
     skf_primitive p = {.shape = SKF_TRIANGLE,
@@ -179,7 +179,7 @@ static const skf_key box_keys[] = {
 };
 
 static const skf_key mesh_keys[] = {
-    {"file", NULL, "PLY, OBJ, OFF or STL, relative to the scene's folder", SKF_KEY_OTHER, true, .read = keep_file,
+    {"file", NULL, "PLY, OBJ, OFF or STL, relative to the scene's folder", SKF_KEY_OTHER, true, .read = skf_keep_file,
      .form = "a file name"},
 };
 

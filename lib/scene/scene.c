@@ -188,6 +188,8 @@ void skf_scene_free(skf_scene *scene) {
   for (size_t i = 0; i < scene->body_count; i++) {
     skf_body *b = scene->bodies + i;
     skf_free(b->name);
+    for (size_t k = 0; k < b->element_count; k++)
+      if (b->elements[k].primitive.shape == SKF_SOLID) skf_solid_free(b->elements[k].primitive.solid);
     skf_free(b->elements);
     skf_free(b->element_lines);
     skf_free(b->handled);

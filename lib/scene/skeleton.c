@@ -43,10 +43,8 @@ typedef struct entry_table {
 } entry_table;
 
 static const skf_key_type key_types[] = {
-    [SKF_PARAM_NUMBER] = SKF_KEY_NUMBER,
-    [SKF_PARAM_ANGLE] = SKF_KEY_ANGLE,
-    [SKF_PARAM_VECTOR] = SKF_KEY_VECTOR,
-    [SKF_PARAM_VECTORS] = SKF_KEY_VECTORS,
+    [SKF_PARAM_NUMBER] = SKF_KEY_NUMBER,   [SKF_PARAM_ANGLE] = SKF_KEY_ANGLE, [SKF_PARAM_VECTOR] = SKF_KEY_VECTOR,
+    [SKF_PARAM_VECTORS] = SKF_KEY_VECTORS, [SKF_PARAM_SOLID] = SKF_KEY_OTHER,
 };
 
 static const char *kind_name(int kind) {
@@ -74,6 +72,7 @@ static int own_keys(int kind, entry_table *t) {
                            .offset = offsetof(skf_entry, element.primitive) + p->offset,
                            .range = t->ranges + n,
                            .count = p->count};
+    if (p->type == SKF_PARAM_SOLID) t->keys[n].read = skf_keep_file, t->keys[n].form = "a file name";
   }
   return n;
 }
@@ -200,6 +199,7 @@ static skf_status read_entry(skf_reader *r, const skf_node *entry, const entry_t
                  .map = value};
   skf_status s = skf_read_map(r, value, &tables[kind].section, &e, NULL);
   skf_style_inherit(&e.style, style);
+  if (!s && kind == SKF_SOLID) s = skf_read_solid(r, &e);
   if (!s) s = check_entry(r, &e, value);
   if (s) return s;
   size_t first = into->body->element_count;

@@ -36,6 +36,12 @@ typedef struct skf_pieces {
 /* Checks the primitive and appends it with the entry's kernel, strength and line. */
 skf_status skf_add_piece(skf_reader *r, const skf_entry *e, const skf_primitive *p, skf_pieces *into);
 
+/* Keeps where a mesh file's name stands, and reads that file. */
+skf_status skf_keep_file(skf_reader *r, const skf_node *value, void *entry);
+skf_status skf_read_mesh(skf_reader *r, const skf_node *file, skf_mesh *mesh);
+/* Makes the solid of e->file; its kernel is inverse, which need not be given. */
+skf_status skf_read_solid(skf_reader *r, skf_entry *e);
+
 /* A kind of entry that stands for several primitives. */
 typedef struct skf_compound {
   skf_section section; /* offsets are into skf_entry */

@@ -4,7 +4,7 @@
 
 static const skf_shape_ops *const registry[SKF_SHAPE_COUNT] = {
     [SKF_POINT] = &skf_shape_point,       [SKF_SEGMENT] = &skf_shape_segment, [SKF_ARC] = &skf_shape_arc,
-    [SKF_TRIANGLE] = &skf_shape_triangle, [SKF_PLANE] = &skf_shape_plane,
+    [SKF_TRIANGLE] = &skf_shape_triangle, [SKF_PLANE] = &skf_shape_plane,     [SKF_SOLID] = &skf_shape_solid,
 };
 
 const skf_shape_info *skf_shape_get(skf_shape shape) {
@@ -18,6 +18,7 @@ skf_status skf_primitive_check(const skf_primitive *p, const char **why) {
   const skf_shape_ops *ops = registry[p->shape];
   for (int i = 0; i < ops->info.param_count; i++) {
     const skf_param *a = ops->info.params + i;
+    if (a->type == SKF_PARAM_SOLID) continue; /* it was checked when it was made */
     const double *x = (const double *)((const char *)p + a->offset);
     bool vector = a->type == SKF_PARAM_VECTOR || a->type == SKF_PARAM_VECTORS;
     for (int k = 0; k < (vector ? 3 * a->count : 1); k++) {

@@ -17,7 +17,8 @@ typedef struct skf_shape_ops {
   skf_vec3 (*at)(const skf_primitive *p, double s, double t);
 } skf_shape_ops;
 
-extern const skf_shape_ops skf_shape_point, skf_shape_segment, skf_shape_arc, skf_shape_triangle, skf_shape_plane;
+extern const skf_shape_ops skf_shape_point, skf_shape_segment, skf_shape_arc, skf_shape_triangle, skf_shape_plane,
+    skf_shape_solid;
 
 /* Orthonormal frame of an arc: e to its start, n its axis, f = n x e. */
 typedef struct skf_arc_axes {

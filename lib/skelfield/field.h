@@ -147,9 +147,10 @@ SKF_API double skf_element_measure(const skf_element *element);
 /* A field that is ready to be evaluated: immutable, safe to share between threads. */
 typedef struct skf_field skf_field;
 
-/* Copies the elements and their profiles. SKF_ERR_ARG (also a profile of something else than a segment or an arc),
-   SKF_ERR_RANGE, SKF_ERR_DEGENERATE, SKF_ERR_UNSUPPORTED (a user's kernel that cannot be integrated over a plane) or
-   SKF_ERR_NOMEM on failure; n = 0 is the zero field. */
+/* Copies the elements and their profiles, solids behind the others, and holds the solids. SKF_ERR_ARG (also a profile of
+   something else than a segment or an arc), SKF_ERR_RANGE, SKF_ERR_DEGENERATE, SKF_ERR_UNSUPPORTED (a user's kernel that
+   cannot be integrated over a plane, a solid with another kernel than inverse) or SKF_ERR_NOMEM on failure; n = 0 is the
+   zero field. */
 SKF_API skf_status skf_field_new(const skf_element *elements, size_t n, skf_field **out);
 SKF_API void skf_field_free(skf_field *field);
 
@@ -175,7 +176,10 @@ SKF_API double skf_field_tensor_at(const skf_field *field, skf_vec3 p, skf_vec3 
    skf_field_at by 20 units of 1.1e-16 (segments 60, arcs 100, triangles 1000) at most, relative to |F| and max(|g|, |F|
    / distance), times how many times the field's own relative change exceeds the point's; in a field of several elements
    relative to the sum of theirs, not more where they cancel. (Eight at a time are added plainly, these sums without
-   loss.) With SKELFIELD_ISA=scalar in the environment when the field is made they are the same bits. */
+   loss.) With SKELFIELD_ISA=scalar in the environment when the field is made they are the same bits.
+   Solids: F to 1e-14 and the gradient to 1e-13 of themselves, the Hessian to 1e-12 of max(|h|, F / distance^2), inside,
+   outside, on and next to faces, edges and vertices and out to 1e7 sizes; there is one pass for all three, and a point
+   by itself (skf_field_at) sums in another order. */
 SKF_API skf_status skf_field_eval(const skf_field *field, size_t n, const double *const p[3], double *F,
                                   double *const g[3], double *const h[6]);
 

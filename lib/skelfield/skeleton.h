@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Primitives of a skeleton: points, segments, arcs, triangles, planes. */
+/* Primitives of a skeleton: points, segments, arcs, triangles, planes, solids. */
 #ifndef SKELFIELD_SKELETON_H
 #define SKELFIELD_SKELETON_H
 
@@ -9,7 +9,15 @@
 extern "C" {
 #endif
 
-typedef enum skf_shape { SKF_POINT, SKF_SEGMENT, SKF_ARC, SKF_TRIANGLE, SKF_PLANE, SKF_SHAPE_COUNT } skf_shape;
+typedef enum skf_shape {
+  SKF_POINT,
+  SKF_SEGMENT,
+  SKF_ARC,
+  SKF_TRIANGLE,
+  SKF_PLANE,
+  SKF_SOLID,
+  SKF_SHAPE_COUNT
+} skf_shape;
 
 typedef struct skf_point {
   skf_vec3 at;
@@ -35,6 +43,10 @@ typedef struct skf_plane {
   skf_vec3 through, normal;
 } skf_plane;
 
+/* The homogeneous inside of a closed triangle mesh: immutable, shared by a count of its holders, safe to share between
+   threads. */
+typedef struct skf_solid skf_solid;
+
 /* One primitive, in the frame of its body. */
 typedef struct skf_primitive {
   skf_shape shape;
@@ -44,14 +56,16 @@ typedef struct skf_primitive {
     skf_arc arc;
     skf_triangle triangle;
     skf_plane plane;
+    const skf_solid *solid;
   };
 } skf_primitive;
 
 typedef enum skf_param_type {
-  SKF_PARAM_NUMBER, /* double */
-  SKF_PARAM_ANGLE,  /* double, radians here and degrees in files */
-  SKF_PARAM_VECTOR, /* skf_vec3 */
-  SKF_PARAM_VECTORS /* `count` consecutive skf_vec3 */
+  SKF_PARAM_NUMBER,  /* double */
+  SKF_PARAM_ANGLE,   /* double, radians here and degrees in files */
+  SKF_PARAM_VECTOR,  /* skf_vec3 */
+  SKF_PARAM_VECTORS, /* `count` consecutive skf_vec3 */
+  SKF_PARAM_SOLID    /* const skf_solid *, the name of a mesh file in files */
 } skf_param_type;
 
 /* One parameter of a registered kind: the scene reader, the help and the documentation all read this. */
@@ -77,18 +91,51 @@ SKF_API const skf_shape_info *skf_shape_get(skf_shape shape);
    failure *why, if given, names what is wrong. */
 SKF_API skf_status skf_primitive_check(const skf_primitive *p, const char **why);
 
-/* Count, length, area [1, L, L^2]; +infinity for a plane. */
+/* Count, length, area, volume [1, L, L^2, L^3]; +infinity for a plane. */
 SKF_API double skf_primitive_measure(const skf_primitive *p);
 
-/* Smallest and largest distance from x to the primitive [L]; largest is +infinity for a plane. */
+/* Smallest and largest distance from x to the primitive [L]; largest is +infinity for a plane. A solid's smallest is 0
+   inside. */
 SKF_API double skf_primitive_distance(const skf_primitive *p, skf_vec3 x);
 SKF_API double skf_primitive_distance_max(const skf_primitive *p, skf_vec3 x);
 
 /* Tight axis-aligned bounds; infinite for a plane. */
 SKF_API skf_box skf_primitive_bounds(const skf_primitive *p);
 
-/* A point of the primitive: s, t in [0, 1]. Points ignore both, segments and arcs t; planes give `through`. */
+/* A point of the primitive: s, t in [0, 1]. Points ignore both, segments and arcs t; planes give `through`, solids
+   places on their surface. */
 SKF_API skf_vec3 skf_primitive_point(const skf_primitive *p, double s, double t);
+
+/* What a solid is made of and how it would move as a rigid body of density 1. */
+typedef struct skf_solid_info {
+  size_t vertices, faces, edges, components;
+  size_t joined, unused, dropped; /* vertices that equalled others, that no face had; faces without any area */
+  double area, volume;            /* [L^2], [L^3]; relative error 1e-15 unless the signed volumes of the tetrahedra over
+                                     the faces, seen from the middle of the box, cancel */
+  skf_vec3 center;                /* of mass [L] */
+  double inertia[6];              /* about the center: xx, xy, xz, yy, yz, zz [L^5]; xy is -int x y dV */
+  skf_box bounds;
+} skf_solid_info;
+
+/* Copies the mesh. Triangles are counter-clockwise seen from outside and close: each edge has as many in one direction
+   as in the other. Several components are fine, cavities among them: they face inward and lie inside. Equal vertices
+   are joined, unused ones and faces of zero area are left out. Whether faces cross each other is not looked at.
+   SKF_ERR_RANGE (a number that is not finite, a wrong index), SKF_ERR_DEGENERATE (not closed, inconsistent or inward
+   orientation, no volume), SKF_ERR_CAPACITY or SKF_ERR_NOMEM; *error, if given, tells what and where. */
+SKF_API skf_status skf_solid_new(const skf_vec3 *vertices, size_t vertex_count, const unsigned (*faces)[3],
+                                 size_t face_count, skf_solid **out, skf_error *error);
+/* One more holder, and one less: the last one frees it. Fields hold the solids of their elements. NULL is fine. */
+SKF_API const skf_solid *skf_solid_share(const skf_solid *solid);
+SKF_API void skf_solid_free(const skf_solid *solid);
+
+SKF_API const skf_solid_info *skf_solid_get(const skf_solid *solid);
+/* info->vertices points; the numbers of three of them for each of info->faces triangles, in an order of their own. */
+SKF_API const skf_vec3 *skf_solid_vertices(const skf_solid *solid);
+SKF_API const unsigned *skf_solid_faces(const skf_solid *solid);
+/* Whether x is inside; places on the surface, to rounding, may count either way. */
+SKF_API bool skf_solid_contains(const skf_solid *solid, skf_vec3 x);
+/* Distance from x to the farthest vertex [L]. */
+SKF_API double skf_solid_distance_max(const skf_solid *solid, skf_vec3 x);
 
 /* The full circle as an arc, which starts in a direction that depends on the normal alone. */
 SKF_API skf_arc skf_arc_circle(skf_vec3 center, skf_vec3 normal, double radius);

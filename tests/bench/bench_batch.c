@@ -258,7 +258,7 @@ static void table(void) {
   for (int i = 0; i < LIBRARIES; i++) printf("  %15s", libraries[i].name);
   printf("\n");
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int s = 0; s < SKF_SHAPE_COUNT; s++)
+    for (int s = 0; s < SKF_SOLID; s++)
       for (int circle = 0; circle <= (s == SKF_ARC); circle++) {
         skf_element e[64] = {{unit((skf_shape)s, circle), {.type = (skf_kernel_type)k, .param = 1.5}, 1}};
         char many[32];

@@ -81,7 +81,7 @@ static void test_isas(void **state) {
   static cloud a, b;
   int vector = 0;
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
+    for (int s = 0; s < SKF_SOLID; s++) {
       double worst = 0;
       skf_vec3 where = {0, 0, 0};
       skf_element body;
@@ -118,7 +118,7 @@ static void test_isas(void **state) {
 static size_t everything(uint64_t *seed, skf_element *e) {
   size_t n = 0;
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int s = 0; s < SKF_SHAPE_COUNT; s++, n++) {
+    for (int s = 0; s < SKF_SOLID; s++, n++) {
       e[n] = (skf_element){.kernel = {(skf_kernel_type)k, 1.5}, .strength = rnd(seed, -1, 1)};
       rnd_primitive(seed, (skf_shape)s, 1, &e[n].primitive);
     }

@@ -62,7 +62,7 @@ static void bounds_hold(void **unused) {
   (void)unused;
   uint64_t state = 20240607;
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int shape = 0; shape < SKF_SHAPE_COUNT; shape++)
+    for (int shape = 0; shape < SKF_SOLID; shape++)
       for (int trial = 0; trial < 24; trial++) {
         double scale = trial % 4 == 3 ? 1e-7 : trial % 4 == 2 ? 1e7 : 1;
         skf_element e = element(&state, k, shape, scale);
@@ -79,7 +79,7 @@ static void regions_hold(void **unused) {
   (void)unused;
   uint64_t state = 77;
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int shape = 0; shape < SKF_SHAPE_COUNT; shape++) {
+    for (int shape = 0; shape < SKF_SOLID; shape++) {
       if (shape == SKF_PLANE) continue;
       skf_element e[2] = {element(&state, k, shape, 1), element(&state, k, SKF_POINT, 1)};
       if (k & 1) e[1].strength = -e[1].strength;

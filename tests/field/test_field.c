@@ -74,7 +74,7 @@ static void test_singular(void **state) {
   check_close(g.z, -2 * SKF_PI, 1e-15);
   check_finite(SKF_INVERSE, SKF_TRIANGLE, v3(0, 0, 0));
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
+    for (int s = 0; s < SKF_SOLID; s++) {
       skf_pair_info info = skf_pair_get((skf_kernel_type)k, (skf_shape)s);
       bool singular = skf_kernel_get((skf_kernel_type)k)->singular;
       assert_true((info.singular != NULL) == singular);
@@ -172,7 +172,7 @@ static void test_batch(void **state) {
   skf_element e[SKF_SHAPE_COUNT * SKF_KERNEL_COUNT];
   size_t n = 0;
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int s = 0; s < SKF_SHAPE_COUNT; s++, n++) {
+    for (int s = 0; s < SKF_SOLID; s++, n++) {
       e[n] = (skf_element){.kernel = {(skf_kernel_type)k, 1.5}, .strength = rnd(&seed, -1, 1)};
       rnd_primitive(&seed, (skf_shape)s, 1, &e[n].primitive);
     }

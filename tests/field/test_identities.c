@@ -40,7 +40,7 @@ typedef void (*property)(uint64_t *seed, const skf_element *e, skf_vec3 x);
 static void for_all(property check) {
   uint64_t seed = 7;
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int s = 0; s < SKF_SHAPE_COUNT; s++)
+    for (int s = 0; s < SKF_SOLID; s++)
       for (int i = 0; i < ROUNDS; i++) {
         skf_element e = random_element(&seed, k, s);
         skf_vec3 x = random_place(&seed, &e.primitive);

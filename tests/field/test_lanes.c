@@ -37,7 +37,7 @@ static void fill(void) {
   uint64_t seed = 21;
   size_t n = 0;
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int s = 0; s < SKF_SHAPE_COUNT; s++)
+    for (int s = 0; s < SKF_SOLID; s++)
       for (int i = 0; i < COPIES; i++) {
         skf_element e = {.kernel = {(skf_kernel_type)k, rnd(&seed, 0.3, 3)}, .strength = rnd(&seed, -1, 1)};
         rnd_primitive(&seed, (skf_shape)s, 1, &e.primitive);

@@ -59,7 +59,7 @@ static void test_pairs(void **state) {
   (void)state;
   uint64_t seed = 31;
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
+    for (int s = 0; s < SKF_SOLID; s++) {
       field_error worst = {0, 0, 0};
       int seen = 0, limited = 0, failed = 0;
       for (int i = 0; i < ROUNDS * CASE_REGIONS; i++) {

@@ -46,7 +46,7 @@ static void test_against_quadrature(void **state) {
   (void)state;
   uint64_t seed = 20261122;
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
+    for (int s = 0; s < SKF_SOLID; s++) {
       const skf_kernel_ops *row = skf_kernel_row((skf_kernel_type)k);
       errors worst = {0, 0, 0};
       int seen = 0;

@@ -165,7 +165,7 @@ static void check_table(bool batch) {
   }
   fclose(in);
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int s = 0; s < SKF_SHAPE_COUNT; s++)
+    for (int s = 0; s < SKF_SOLID; s++)
       if (worst[k][s].F + worst[k][s].g > 0)
         print_message("%-16s %-9s F %.1e  gradient %.1e\n", skf_kernel_get((skf_kernel_type)k)->name,
                       skf_shape_get((skf_shape)s)->name, worst[k][s].F, worst[k][s].g);

@@ -60,7 +60,7 @@ static void the_registry_from_outside(void **state) {
   (void)state;
   uint64_t seed = 7;
   for (skf_kernel_type k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
+    for (int s = 0; s < SKF_SOLID; s++) {
       double worst[3] = {0};
       if (s == SKF_PLANE && skf_kernel_get(k)->singular) continue;
       for (int i = 0; i < (s == SKF_TRIANGLE ? 12 : 200); i++) {

@@ -8,7 +8,7 @@ static void random_scenes(void **unused) {
   size_t hits = 0;
   skf_ray_report report = {0};
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int shape = 0; shape < SKF_SHAPE_COUNT; shape++)
+    for (int shape = 0; shape < SKF_SOLID; shape++)
       for (int mixed = 0; mixed < 2; mixed++) {
         skf_element e[2] = {dense_element(&state, k, shape, 1), dense_element(&state, k, SKF_POINT, 1)};
         if (mixed) e[1].strength = -e[1].strength;
