@@ -181,6 +181,11 @@ static skf_status handle(skf_reader *r, const skf_entry *e, size_t first, skf_pi
   return SKF_OK;
 }
 
+/* What an entry that was not added holds. */
+static void release(const skf_entry *e) {
+  if (e->element.primitive.shape == SKF_SOLID) skf_solid_free(e->element.primitive.solid);
+}
+
 static skf_status read_entry(skf_reader *r, const skf_node *entry, const entry_table *tables, const skf_style *style,
                              skf_pieces *into) {
   const skf_node *word = entry->type == SKF_NODE_MAP ? skf_node_first(&r->yaml, entry) : NULL;
@@ -201,11 +206,12 @@ static skf_status read_entry(skf_reader *r, const skf_node *entry, const entry_t
   skf_style_inherit(&e.style, style);
   if (!s && kind == SKF_SOLID) s = skf_read_solid(r, &e);
   if (!s) s = check_entry(r, &e, value);
-  if (s) return s;
+  if (s) return release(&e), s;
   size_t first = into->body->element_count;
   s = simple ? skf_add_piece(r, &e, &e.element.primitive, into)
              : skf_compounds[kind - SKF_SHAPE_COUNT].expand(r, &e, into);
   if (!s && e.profile) s = weigh(r, &e, first, into);
+  if (s && into->body->element_count == first) release(&e);
   return s ? s : handle(r, &e, first, into);
 }
 

@@ -6,7 +6,7 @@
 static skf_status settle_kernel(skf_reader *r, skf_entry *e) {
   if (!e->style.has_kernel) {
     e->style.has_kernel = true;
-    e->style.kernel = (skf_kernel){SKF_INVERSE, 1};
+    e->style.kernel = (skf_kernel){.type = SKF_INVERSE, .param = 1};
   }
   if (e->style.kernel.type == SKF_INVERSE) return SKF_OK;
   return skf_error_set(r->error, SKF_ERR_UNSUPPORTED, e->kind->line,

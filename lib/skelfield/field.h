@@ -177,7 +177,7 @@ SKF_API double skf_field_tensor_at(const skf_field *field, skf_vec3 p, skf_vec3 
    / distance), times how many times the field's own relative change exceeds the point's; in a field of several elements
    relative to the sum of theirs, not more where they cancel. (Eight at a time are added plainly, these sums without
    loss.) With SKELFIELD_ISA=scalar in the environment when the field is made they are the same bits.
-   Solids: F to 1e-14 and the gradient to 1e-13 of themselves, the Hessian to 1e-12 of max(|h|, F / distance^2), inside,
+   Solids: F to 5e-14 and the gradient to 1e-13 of themselves, the Hessian to 1e-12 of max(|h|, F / distance^2), inside,
    outside, on and next to faces, edges and vertices and out to 1e7 sizes; there is one pass for all three, and a point
    by itself (skf_field_at) sums in another order. */
 SKF_API skf_status skf_field_eval(const skf_field *field, size_t n, const double *const p[3], double *F,

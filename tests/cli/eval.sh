@@ -158,4 +158,40 @@ interrupt TERM 1 "$SKF_PROGRAM" eval long.yaml many.csv -o late.csv
 expect_status "terminated at work" 143
 expect_err "it says so" 'interrupted, nothing written'
 expect "nothing is left" [ "$(ls -A | grep -c late)" = 0 ]
+
+# A homogeneous cube, in its centre, on a corner and far away.
+write cube.off <<'END'
+OFF
+8 6 0
+-0.5 -0.5 -0.5
+0.5 -0.5 -0.5
+-0.5 0.5 -0.5
+0.5 0.5 -0.5
+-0.5 -0.5 0.5
+0.5 -0.5 0.5
+-0.5 0.5 0.5
+0.5 0.5 0.5
+4 0 2 3 1
+4 4 5 7 6
+4 0 1 5 4
+4 2 6 7 3
+4 0 4 6 2
+4 1 3 7 5
+END
+write solid.yaml <<'END'
+skelfield: 1
+bodies:
+  - {name: cube, iso: 1, skeleton: [solid: {file: cube.off}]}
+END
+printf 'x,y,z\n0,0,0\n0.5,0.5,0.5\n1e6,0,0\n' >points.csv
+run eval solid.yaml points.csv --tensor
+expect_status "a solid is evaluated" 0
+expect_close "F in its centre" "$(field 2 4)" 2.3800773639795504 1e-15
+expect_close "hxx there" "$(field 2 8)" -4.1887902047863905 1e-14
+expect_close "F on a corner" "$(field 3 4)" 1.1900386819897768 1e-15
+expect_close "gx on a corner" "$(field 3 5)" -0.96938805271256823 4e-15
+expect_close "F far away" "$(field 4 4)" 1e-6 1e-15
+sed -i '$d' cube.off
+run eval solid.yaml points.csv
+expect_refused "a solid with a hole" "solid.yaml:3: mesh cube.off: "
 tap_done

@@ -122,6 +122,10 @@ run help scene
 expect_out "the help knows the primitives" '^arc: circular'
 expect_out "and what stands for several" '^polyline: segments'
 expect_out "and the kernels" 'inverse-squared +1 / r\^2'
+expect_out "solids" '^solid: homogeneous inside of a closed mesh'
+run info "$data/pebble.yaml"
+expect_out "solids are weighed" 'solid +642 vertices, 1280 faces, 1920 edges, 1 component; area 89287\.011, volume 1925580'
+expect_out "their inertia" 'inertia about it: xx 5\.1535'
 for name in "$data"/*.yaml; do
   run info "$name" --json
   expect_status "info ${name##*/}" 0

@@ -267,6 +267,46 @@ static void broken_files_are_refused(void **state) {
   }
 }
 
+#define TETRAHEDRON "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n"
+
+static void solids(void **state) {
+  (void)state;
+  put("good.off", TETRAHEDRON "3 0 3 2\n");
+  put("good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 1 0\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 5\n");
+  put("open.off", TETRAHEDRON "3 0 1 2\n");
+  put("inward.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 3 1\n3 1 3 2\n3 0 2 3\n");
+  skf_scene *s = good(HEAD "  - solid: {file: good.off, strength: 3}\n  - solid: {file: good.obj}\n  mass: 8\n");
+  const skf_element *e = s->bodies[0].elements;
+  assert_true(s->bodies[0].element_count == 2 && e->kernel.type == SKF_INVERSE && e->strength == 3);
+  assert_true(e->primitive.shape == SKF_SOLID && skf_solid_get(e[1].primitive.solid)->joined == 1);
+  check_close(skf_primitive_measure(&e->primitive), 1 / 6.0, 1e-15);
+  check_close(s->bodies[0].rho, 12, 1e-15);
+  skf_scene_free(s);
+  s = good("skelfield: 1\nbodies:\n- {name: a, iso: 1, skeleton: [solid: {file: good.off}]}\n"); /* no kernel */
+  skf_scene_free(s);
+  static const struct {
+    const char *entry, *part;
+  } bad[] = {
+      {"{file: open.off}",
+       "mesh open.off: has faces of inconsistent orientation at the edge from (0, 0, 0) to (1, 0, 0)"},
+      {"{file: inward.off}", "mesh inward.off: faces inward (its volume is -0.166666667), expected a closed mesh that"},
+      {"{file: gone.off}", "mesh gone.off: No such file or directory, expected"},
+      {"{strength: 2}", "missing 'file' in solid, expected a file name"},
+      {"{file: good.off, size: 2}", "unknown key 'size' in solid"},
+      {"{file: good.off, strength: 0}", "strength is 0"},
+      {"{file: good.off, radius: 2}", "a solid has no such handles"},
+      {"{file: good.off, kernel: {type: cauchy, s: 1}}", "the kernel of this solid is cauchy, expected inverse"},
+  };
+  for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    char text[512];
+    snprintf(text, sizeof text, HEAD "  - point: {at: [0, 0, 0]}\n  - solid: %s\n", bad[i].entry);
+    skf_error why;
+    if (!skf_scene_parse(text, strlen(text), folder, &s, &why)) fail_msg("%s is accepted", bad[i].entry);
+    assert_int_equal(why.line, 8);
+    if (!strstr(why.text, bad[i].part) || !strstr(why.text, "expected")) fail_msg("%s: %s", bad[i].entry, why.text);
+  }
+}
+
 static void failing_allocations_are_errors(void **state) {
   (void)state;
   put("pyramid.off", pyramid);
@@ -297,6 +337,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(pieces),
       cmocka_unit_test(fields),
+      cmocka_unit_test(solids),
       cmocka_unit_test(curves),
       cmocka_unit_test(helices),
       cmocka_unit_test(boxes),
