@@ -123,18 +123,22 @@ static void pad(const job *j, size_t from, size_t n, double room[3][SKF_BATCH_PA
   }
 }
 
+void skf_batch_add(const skf_batch *b, size_t n, size_t all, const double *const p[3], skf_batch_sum *sum, bool first) {
+  if (first && (b->tiles == 0 || !b->tile->column)) memset(sum, 0, sizeof *sum);
+  for (size_t i = 0; i < b->tiles; i++) {
+    const skf_tile *t = b->tile + i;
+    if (t->column)
+      b->ops->form[t->form].add(t, all, p, sum, first && i == 0);
+    else
+      add_closed(t, n, p, sum);
+  }
+}
+
 /* n points at p, padded to m for the vector forms */
 static void sum_block(const job *j, size_t from, size_t n, size_t m, const double *const p[3]) {
   skf_batch_sum sum;
   const skf_batch *b = j->batch;
-  if (b->tiles == 0 || !b->tile->column) memset(&sum, 0, sizeof sum);
-  for (size_t i = 0; i < b->tiles; i++) {
-    const skf_tile *t = b->tile + i;
-    if (t->column)
-      b->ops->form[t->form].add(t, m, p, &sum, i == 0);
-    else
-      add_closed(t, n, p, &sum);
-  }
+  skf_batch_add(b, n, m, p, &sum, true);
   for (int k = 0; k < 4; k++)
     if (j->out[k]) b->ops->total(n, &sum, k, j->out[k] + from);
 }

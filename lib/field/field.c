@@ -2,18 +2,27 @@
 /* Fields: sums of elements, evaluated at points. */
 #include "core/alloc.h"
 #include "field/batch.h"
+#include "field/far.h"
+#include "field/far_mixture.h"
 #include "field/quadrature.h"
 #include "field/solid.h"
 #include "field/some.h"
 #include <omp.h>
 #include <string.h>
 
+/* Fewer elements of one kernel are summed directly: a polynomial costs as much. */
+enum { FAR_LEAST = 4000 };
+
 struct skf_field {
   size_t n, plain; /* the first `plain` are no solids */
   skf_element *elements;
   skf_prepared *prepared;
+  bool crowd;          /* neither solids nor far sums, and enough elements of one form to make them the lanes */
+  size_t direct_count; /* plain elements that are summed one by one: all, or those that no far sum has */
+  skf_prepared *direct, *own;
   skf_batch batch; /* of these */
-  bool crowd;      /* no solids, and enough elements of one form to make them the lanes */
+  skf_far **far;
+  size_t far_count;
 };
 
 static skf_status check(const skf_element *e) {
@@ -41,8 +50,63 @@ static skf_status weigh(skf_field *f) {
   return SKF_OK;
 }
 
-skf_status skf_field_new(const skf_element *elements, size_t n, skf_field **out) {
+static bool may_be_far(const skf_prepared *e) {
+  return skf_far_kernel(e->kernel.type) && e->primitive.shape != SKF_PLANE && e->strength != 0 && !e->weight &&
+         e->moderate;
+}
+
+static bool same_kernel(skf_kernel a, skf_kernel b) {
+  return a.type == b.type && (a.param == b.param || !skf_kernel_get(a.type)->param);
+}
+
+/* Elements of the kernel that the first element of `from` has: moved to the front of `to`; the others stay in `from`.
+ */
+static size_t pick(skf_prepared *from, size_t n, skf_prepared *to) {
+  skf_kernel kernel = from->kernel;
+  size_t picked = 0, left = 0;
+  for (size_t i = 0; i < n; i++) {
+    if (may_be_far(from + i) && same_kernel(kernel, from[i].kernel))
+      to[picked++] = from[i];
+    else
+      from[left++] = from[i];
+  }
+  return picked;
+}
+
+/* Groups of one kernel become far sums; what is left is direct. */
+static skf_status make_far(skf_field *f, double accuracy) {
+  skf_isa isa = skf_isa_pick();
+  skf_prepared *left = skf_alloc(f->plain, sizeof *left), *group = skf_alloc(f->plain, sizeof *group);
+  size_t n = f->plain, direct = 0;
+  f->own = skf_alloc(f->plain, sizeof *f->own);
+  f->far = skf_alloc(f->plain / FAR_LEAST, sizeof(skf_far *));
+  skf_status s = left && group && f->own && f->far ? SKF_OK : SKF_ERR_NOMEM;
+  if (!s) memcpy(left, f->prepared, n * sizeof *left);
+  while (!s && n) {
+    size_t picked = 1;
+    if (!may_be_far(left)) {
+      *group = *left, n--;
+      memmove(left, left + 1, n * sizeof *left);
+    } else {
+      picked = pick(left, n, group), n -= picked;
+      if (picked >= FAR_LEAST) {
+        s = skf_far_new(skf_batch_get(isa), isa != SKF_ISA_SCALAR, group, picked, accuracy, f->far + f->far_count);
+        if (!s) f->far_count++, picked = 0;
+        if (s == SKF_ERR_UNSUPPORTED) s = SKF_OK;
+      }
+    }
+    memcpy(f->own + direct, group, picked * sizeof *group), direct += picked;
+  }
+  skf_free(left), skf_free(group);
+  f->direct = f->own, f->direct_count = direct;
+  return s;
+}
+
+skf_status skf_field_new_with(const skf_element *elements, size_t n, const skf_field_options *options,
+                              skf_field **out) {
+  double accuracy = options ? options->accuracy : 0;
   *out = NULL;
+  if (accuracy != 0 && !(accuracy >= 1e-12 && accuracy <= 0.01)) return SKF_ERR_RANGE;
   for (size_t i = 0; i < n; i++) {
     skf_status s = check(elements + i);
     if (s) return s;
@@ -62,16 +126,25 @@ skf_status skf_field_new(const skf_element *elements, size_t n, skf_field **out)
         f->plain++;
     }
   skf_status s = weigh(f);
-  if (!s) s = skf_batch_new(skf_batch_get(skf_isa_pick()), f->prepared, f->plain, &f->batch);
+  f->direct = f->prepared, f->direct_count = f->plain;
+  if (!s && accuracy > 0 && f->plain >= FAR_LEAST) s = make_far(f, accuracy);
+  if (!s) s = skf_batch_new(skf_batch_get(skf_isa_pick()), f->direct, f->direct_count, &f->batch);
   if (s) return skf_field_free(f), s;
-  for (size_t i = 0; i < f->batch.tiles && f->plain == f->n; i++) f->crowd |= skf_batch_full(f->batch.tile + i);
+  bool alone = f->far_count == 0 && f->plain == f->n;
+  for (size_t i = 0; i < f->batch.tiles && alone; i++) f->crowd |= skf_batch_full(f->batch.tile + i);
   return *out = f, SKF_OK;
 }
 
+skf_status skf_field_new(const skf_element *elements, size_t n, skf_field **out) {
+  return skf_field_new_with(elements, n, NULL, out);
+}
+
 void skf_field_free(skf_field *f) {
-  for (size_t i = 0; f && i < f->n; i++) skf_weight_free(f->prepared[i].weight);
-  for (size_t i = f ? f->plain : 0; f && i < f->n; i++) skf_solid_free(f->prepared[i].primitive.solid);
-  if (f) skf_free(f->elements), skf_free(f->prepared), skf_batch_free(&f->batch);
+  if (!f) return;
+  for (size_t i = 0; i < f->n; i++) skf_weight_free(f->prepared[i].weight);
+  for (size_t i = f->plain; i < f->n; i++) skf_solid_free(f->prepared[i].primitive.solid);
+  for (size_t i = 0; i < f->far_count; i++) skf_far_free(f->far[i]);
+  skf_free(f->elements), skf_free(f->prepared), skf_free(f->own), skf_free(f->far), skf_batch_free(&f->batch);
   skf_free(f);
 }
 
@@ -93,18 +166,23 @@ static void add(sum *a, double b) {
 
 static double total(sum a) { return isfinite(a.s) ? a.s + a.low : a.s; }
 
-/* Of the first n elements. */
-static double evaluate(const skf_field *f, size_t n, skf_vec3 x, int order, skf_vec3 *g, double h[6]) {
+static double evaluate(const skf_field *f, bool solids, skf_vec3 x, int order, skf_vec3 *g, double h[6]) {
   sum F = {0, 0}, G[3] = {{0, 0}}, H[6] = {{0, 0}};
-  for (size_t i = 0; i < n; i++) {
-    const skf_prepared *e = f->prepared + i;
+  size_t plain = f->direct_count + f->far_count, all = plain + (solids ? f->n - f->plain : 0);
+  for (size_t i = 0; i < all; i++) {
+    bool far = i >= f->direct_count && i < plain;
+    const skf_prepared *e = i < plain ? f->direct + i : f->prepared + f->plain + (i - plain);
     skf_value v = {.F = 0};
-    skf_element_value(e, x, order, &v);
-    add(&F, e->strength * v.F);
-    add(G + 0, e->strength * v.g.x);
-    add(G + 1, e->strength * v.g.y);
-    add(G + 2, e->strength * v.g.z);
-    for (int k = 0; order > 1 && k < 6; k++) add(H + k, e->strength * v.h[k]);
+    if (far)
+      skf_far_value(f->far[i - f->direct_count], x, order, &v);
+    else
+      skf_element_value(e, x, order, &v);
+    double w = far ? 1 : e->strength;
+    add(&F, w * v.F);
+    add(G + 0, w * v.g.x);
+    add(G + 1, w * v.g.y);
+    add(G + 2, w * v.g.z);
+    for (int k = 0; order > 1 && k < 6; k++) add(H + k, w * v.h[k]);
   }
   bool finite = isfinite(F.s);
   *g = finite ? v3(total(G[0]), total(G[1]), total(G[2])) : v3(0, 0, 0);
@@ -115,7 +193,7 @@ static double evaluate(const skf_field *f, size_t n, skf_vec3 x, int order, skf_
 double skf_field_at(const skf_field *f, skf_vec3 p, skf_vec3 *g) {
   double v[4];
   skf_vec3 ignored;
-  if (!f->crowd) return evaluate(f, f->n, p, 1, g ? g : &ignored, NULL);
+  if (!f->crowd) return evaluate(f, true, p, 1, g ? g : &ignored, NULL);
   skf_batch_at(&f->batch, p, true, v);
   if (g) *g = v3(v[1], v[2], v[3]);
   return v[0];
@@ -123,7 +201,20 @@ double skf_field_at(const skf_field *f, skf_vec3 p, skf_vec3 *g) {
 
 double skf_field_tensor_at(const skf_field *f, skf_vec3 p, skf_vec3 *g, double h[6]) {
   skf_vec3 ignored;
-  return evaluate(f, f->n, p, 2, g ? g : &ignored, h);
+  return evaluate(f, true, p, 2, g ? g : &ignored, h);
+}
+
+/* All but the solids. Where F is infinite the gradient is 0, whether somebody asked for F or not. */
+static skf_status eval_plain(const skf_field *f, size_t n, const double *const p[3], double *F, double *const g[3]) {
+  if (f->far_count == 0) return skf_batch_eval(&f->batch, n, p, F, g), SKF_OK;
+  double *own = F ? NULL : skf_alloc(n, sizeof *own), *value = F ? F : own;
+  if (!value) return SKF_ERR_NOMEM;
+  skf_batch_eval(&f->batch, n, p, value, g);
+  for (size_t k = 0; k < f->far_count; k++) skf_far_add(f->far[k], n, p, value, g);
+  for (int k = 0; g && k < 3; k++)
+    for (size_t i = 0; g[k] && i < n; i++)
+      if (!isfinite(value[i])) g[k][i] = 0;
+  return skf_free(own), SKF_OK;
 }
 
 /* Outputs of a batch: F, the gradient, the Hessian; any may be NULL. */
@@ -138,11 +229,11 @@ static void add_solids(const skf_field *f, size_t from, size_t n, const double *
   const double *const at[3] = {p[0] + from, p[1] + from, p[2] + from};
   bool hessian = false;
   for (int k = 4; k < SKF_SOLID_OUT; k++) hessian = hessian || out->column[k];
-  skf_batch_eval(&f->batch, n, at, all[0], g);
+  eval_plain(f, n, at, all[0], g); /* with F it allocates nothing */
   for (size_t i = 0; i < n && hessian; i++) {
     skf_vec3 ignored;
     double H[6];
-    evaluate(f, f->plain, v3(at[0][i], at[1][i], at[2][i]), 2, &ignored, H);
+    evaluate(f, false, v3(at[0][i], at[1][i], at[2][i]), 2, &ignored, H);
     for (int k = 0; k < 6; k++) all[4 + k][i] = H[k];
   }
   for (size_t j = f->plain; j < f->n; j++) {
@@ -173,13 +264,13 @@ skf_status skf_field_eval(const skf_field *f, size_t n, const double *const p[3]
     for (int k = 0; k < 6 && h; k++) out.column[4 + k] = h[k];
     return eval_solids(f, n, p, &out), SKF_OK;
   }
-  skf_batch_eval(&f->batch, n, p, F, g);
-  if (!h) return SKF_OK;
+  skf_status s = F || g ? eval_plain(f, n, p, F, g) : SKF_OK;
+  if (s || !h) return s;
 #pragma omp parallel for schedule(static) if (n * f->n >= 2048)
   for (size_t i = 0; i < n; i++) {
     skf_vec3 ignored;
     double H[6];
-    evaluate(f, f->n, v3(p[0][i], p[1][i], p[2][i]), 2, &ignored, H);
+    evaluate(f, true, v3(p[0][i], p[1][i], p[2][i]), 2, &ignored, H);
     for (int k = 0; k < 6; k++)
       if (h[k]) h[k][i] = H[k];
   }

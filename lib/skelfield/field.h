@@ -154,6 +154,28 @@ typedef struct skf_field skf_field;
 SKF_API skf_status skf_field_new(const skf_element *elements, size_t n, skf_field **out);
 SKF_API void skf_field_free(skf_field *field);
 
+/* How a field is evaluated; zeros stand for the defaults.
+
+   accuracy [1] = 0: every element is summed, to rounding. From 1e-12 to 0.01: 4000 or more elements of one kernel,
+   inverse, inverse-squared or Cauchy with one s, are summed by expansions (a fast multipole method), planes and all
+   others directly. F is then within accuracy times the sum of |w_i| F_i(p) of the direct sum, the gradient within
+   accuracy times the sum of |w_i| max(|grad F_i|, F_i / r_i), r_i being the distance to the element, and each second
+   derivative within 30 accuracy times the sum of |w_i| max(|Hessian F_i|, F_i / r_i^2). tests/field/test_tree.c finds a
+   sixth of that at most.
+
+   The expansions are made with the field, on OpenMP's threads. tests/bench/bench_tree.c measures time and memory: see
+   the numbers there. A point then costs some microseconds however many elements there are; one far outside of all
+   elements somewhat more. Elements longer than the cells that the method makes, up to four pieces for each element on
+   average, are cut: many long ones in a small room gain less. Elements that form no cloud (all in one place) are summed
+   directly. */
+typedef struct skf_field_options {
+  double accuracy;
+} skf_field_options;
+
+/* skf_field_new with options (NULL: defaults); SKF_ERR_RANGE also for an accuracy out of range. */
+SKF_API skf_status skf_field_new_with(const skf_element *elements, size_t n, const skf_field_options *options,
+                                      skf_field **out);
+
 SKF_API size_t skf_field_size(const skf_field *field);
 SKF_API const skf_element *skf_field_element(const skf_field *field, size_t i);
 
@@ -171,7 +193,7 @@ SKF_API double skf_field_tensor_at(const skf_field *field, skf_vec3 p, skf_vec3 
 
 /* n points in structure-of-arrays form. p[0..2]: x, y, z. F: n values. g: NULL or three arrays. h: NULL or six arrays
    in the order above. Any output array may be NULL. Runs on OpenMP's current number of threads; the result does not
-   depend on it, nor on a point's neighbours.
+   depend on it, nor on a point's neighbours. SKF_ERR_NOMEM only where fields have expansions (skf_field_new_with).
    F and the gradient of most pairs are evaluated in vectors where the processor has AVX2 and FMA. They then differ from
    skf_field_at by 20 units of 1.1e-16 (segments 60, arcs 100, triangles 1000) at most, relative to |F| and max(|g|, |F|
    / distance), times how many times the field's own relative change exceeds the point's; in a field of several elements

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+/* Large sums of elements of one kernel, 1/r, 1/r^2 or Cauchy, by a fast multipole method on Chebyshev polynomials [Fong
+   & Darve 2009] whose kernels between cells are sums of Gaussians (far_mixture.h). Everything that depends on the
+   sources alone is computed once: a point adds up the elements in the 27 cells around its own by their closed forms,
+   and one polynomial for all others. A point outside of the root sees the whole as weighted points. */
+#ifndef SKF_FIELD_FAR_H
+#define SKF_FIELD_FAR_H
+
+#include "field/batch.h"
+
+typedef struct skf_far skf_far;
+
+/* The elements, n of one kernel, are copied. F and the gradient come out within `accuracy` of the sums of |w F_i| and
+   of |w| max(|grad F_i|, F_i / r_i). SKF_ERR_UNSUPPORTED where the elements had better be summed directly. */
+skf_status skf_far_new(const skf_batch_ops *ops, bool vectors, const skf_prepared *elements, size_t n, double accuracy,
+                       skf_far **out);
+void skf_far_free(skf_far *far);
+
+/* Adds F and the gradient at n points to F and g, any of which may be NULL. What is added at a point depends on this
+   point alone. */
+void skf_far_add(const skf_far *far, size_t n, const double *const p[3], double *F, double *const g[3]);
+
+/* The same at one point; order 2: the Hessian too. */
+void skf_far_value(const skf_far *far, skf_vec3 p, int order, skf_value *v);
+
+/* Bytes that it holds. */
+size_t skf_far_memory(const skf_far *far);
+
+#endif

@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: MIT */
+/* Makes the hierarchy of a large sum: the tree, its expansions, and which batches of sources each leaf sums. */
+#include "core/alloc.h"
+#include "field/far_parts.h"
+#include <omp.h>
+#include <string.h>
+
+/* How many pieces a leaf may have around it: about what its polynomial costs to make. */
+static size_t around(double accuracy) {
+  double digits = -log10(accuracy);
+  return (size_t)fmax(600, 55 * digits * digits);
+}
+
+/* Cells of targets: at most 256 MiB and 1 KiB for each element. */
+static size_t most_targets(size_t n, double accuracy) {
+  double digits = -log10(accuracy), order = 4 + 3 * digits,
+         tensor = 8 * (order * order * order / 6 + 2 * order * order);
+  return (size_t)((0x1p28 + 0x1p10 * (double)n) / tensor);
+}
+
+/* Chebyshev points in the cube of the whole, with weights that have its moments: as many along each axis as give the
+   total degree's accuracy. */
+static int outer_points(const far_layout *l) { return (4 * l->order + 4) / 5; }
+
+static void outer(skf_far *f, const skf_prepared *like, const double *whole, skf_prepared *out) {
+  int n = outer_points(&f->layout);
+  double T[FAR_ORDER][FAR_ORDER], h = 0.5 * FAR_WIDE * f->tree.side;
+  const int middle[3] = {1, 1, 1};
+  skf_vec3 c = far_center(&f->tree, 0, middle);
+  double x[FAR_ORDER];
+  for (int k = 0; k < n; k++) {
+    x[k] = cos(SKF_PI * (k + 0.5) / n);
+    far_chebyshev(x[k], n, T[k]);
+    for (int i = 0; i < n; i++) T[k][i] *= (i ? 2.0 : 1.0) / n;
+  }
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++)
+      for (int k = 0; k < n; k++) {
+        skf_element e = {.primitive = {.shape = SKF_POINT}, .kernel = like->kernel};
+        e.primitive.point.at = v3(c.x + h * x[i], c.y + h * x[j], c.z + h * x[k]);
+        for (int p = 0; p < n; p++)
+          for (int q = 0; q < n && p + q < f->layout.order; q++) {
+            const double *row = whole + f->layout.row[p][q];
+            int end = f->layout.order - p - q < n ? f->layout.order - p - q : n;
+            double s = 0;
+            for (int r = 0; r < end; r++) s += row[r] * T[k][r];
+            e.strength += s * T[i][p] * T[j][q];
+          }
+        skf_prepare(&e, out++);
+      }
+}
+
+static skf_status make_batches(skf_far *f, const skf_prepared *elements, const double *whole) {
+  far_tree *t = &f->tree;
+  size_t points = (size_t)outer_points(&f->layout), leaves = 0;
+  points = points * points * points;
+  for (size_t k = 0; k < t->source_count; k++) leaves += !t->source[k].split;
+  f->prepared_count = t->pieces.count + points;
+  f->prepared = skf_alloc(f->prepared_count, sizeof *f->prepared);
+  f->batch = skf_alloc(leaves + 1, sizeof *f->batch);
+  if (!f->prepared || !f->batch) return SKF_ERR_NOMEM;
+  for (size_t i = 0; i < t->pieces.count; i++) {
+    const far_piece *p = t->pieces.at + i;
+    const skf_prepared *e = elements + p->element;
+    skf_prepare(&(skf_element){p->primitive, e->kernel, e->strength}, f->prepared + i);
+  }
+  outer(f, elements, whole, f->prepared + t->pieces.count);
+  for (size_t k = 0; k < t->source_count; k++) { /* from here on `first` is the batch */
+    far_source *s = t->source + k;
+    if (s->split) continue;
+    skf_status status = skf_batch_new(f->batch_ops, f->prepared + s->first, s->count, f->batch + f->batches);
+    if (status) return status;
+    s->first = f->batches++;
+  }
+  return skf_batch_new(f->batch_ops, f->prepared + t->pieces.count, points, f->batch + f->batches++);
+}
+
+static bool list_add(skf_far *f, size_t *capacity, size_t batch) {
+  if (f->list_count == *capacity) {
+    size_t more = *capacity ? 2 * *capacity : 4096;
+    unsigned *list = skf_realloc(f->list, more, sizeof *list);
+    if (!list) return false;
+    f->list = list, *capacity = more;
+  }
+  return f->list[f->list_count++] = (unsigned)batch, true;
+}
+
+static bool list_below(skf_far *f, size_t *capacity, int source) {
+  const far_source *s = f->tree.source + source;
+  if (!s->split) return list_add(f, capacity, s->first);
+  for (int i = 0; i < 8; i++)
+    if (s->child[i] >= 0 && !list_below(f, capacity, s->child[i])) return false;
+  return true;
+}
+
+static bool make_leaves(skf_far *f) {
+  const far_tree *t = &f->tree;
+  size_t capacity = 0;
+  f->leaf_of = skf_alloc(t->target_count, sizeof *f->leaf_of);
+  f->leaf = skf_alloc(t->target_count + 1, sizeof *f->leaf);
+  if (!f->leaf_of || !f->leaf) return false;
+  for (size_t k = 0; k < t->target_count; k++) {
+    const far_target *p = t->target + k;
+    if (p->child >= 0) continue;
+    far_leaf *leaf = f->leaf + f->leaves;
+    *leaf = (far_leaf){far_center(t, p->level, p->at), 2 / (FAR_WIDE * far_side(t, p->level)),
+                       f->tensors + k * f->layout.size, f->list_count, 0};
+    for (int i = 0; i < 27; i++) {
+      int s = skf_far_tree_find(t, p->level, p->at[0] + i % 3 - 1, p->at[1] + i / 3 % 3 - 1, p->at[2] + i / 9 - 1);
+      if (s >= 0 && !list_below(f, &capacity, s)) return false;
+    }
+    leaf->count = f->list_count - leaf->first;
+    f->leaf_of[k] = (unsigned)f->leaves++;
+  }
+  f->leaf[f->leaves++] = (far_leaf){.first = f->list_count, .count = 1};
+  return list_add(f, &capacity, f->batches - 1);
+}
+
+skf_status skf_far_new(const skf_batch_ops *batch_ops, bool vectors, const skf_prepared *elements, size_t n,
+                       double accuracy, skf_far **out) {
+  *out = NULL;
+  if (n == 0 || !skf_far_kernel(elements->kernel.type)) return SKF_ERR_UNSUPPORTED;
+  skf_far *f = skf_alloc(1, sizeof *f);
+  double *whole = skf_alloc(far_layout_new(FAR_ORDER).size, sizeof *whole);
+  skf_status s = SKF_ERR_NOMEM;
+  if (f && whole) {
+    f->ops = &skf_far_scalar, f->batch_ops = batch_ops;
+#ifdef SKF_HAVE_AVX2
+    if (vectors) f->ops = &skf_far_avx2;
+#endif
+    (void)vectors;
+    s = skf_far_tree_build(elements, n, around(accuracy), most_targets(n, accuracy), &f->tree)
+            ? skf_far_expand(f, elements, accuracy, whole)
+            : SKF_ERR_UNSUPPORTED;
+    if (!s) s = make_batches(f, elements, whole);
+    if (!s && !make_leaves(f)) s = SKF_ERR_NOMEM;
+    skf_free(f->tree.pieces.at), f->tree.pieces = (far_pieces){.count = 0};
+  }
+  skf_free(whole);
+  if (s) return skf_far_free(f), s;
+  return *out = f, SKF_OK;
+}
+
+void skf_far_free(skf_far *f) {
+  if (!f) return;
+  for (size_t i = 0; i < f->batches && f->batch; i++) skf_batch_free(f->batch + i);
+  skf_far_tree_free(&f->tree);
+  skf_free(f->tensors), skf_free(f->prepared), skf_free(f->batch), skf_free(f->list), skf_free(f->leaf_of);
+  skf_free(f->leaf), skf_free(f);
+}
+
+size_t skf_far_memory(const skf_far *f) {
+  size_t columns = 0;
+  for (size_t i = 0; i < f->batches; i++)
+    for (size_t k = 0; k < f->batch[i].tiles; k++)
+      if (f->batch[i].tile[k].column)
+        columns += f->batch_ops->form[f->batch[i].tile[k].form].columns * SKF_TILE * sizeof(double) + sizeof(skf_tile);
+  return sizeof *f + f->tree.target_count * (f->layout.size * sizeof(double) + sizeof(far_target) + sizeof(far_leaf)) +
+         f->tree.source_count * sizeof(far_source) + f->prepared_count * sizeof(skf_prepared) +
+         f->list_count * sizeof(unsigned) + columns;
+}
