@@ -64,7 +64,8 @@ SKF_INLINE inverse_segment_state inverse_segment_begin(const segment_row *c, skf
 SKF_INLINE skf_vvalue inverse_segment_end(const segment_row *c, const inverse_segment_state *s) {
   skf_vd half = vd_set(0.5) * s->far, F = vd_log_ratio(s->far * half, s->near, c->L * s->far);
   skf_vd w = -c->L / (s->near * s->rr), w0 = w * s->r1, w1 = w * s->r0;
-  return (skf_vvalue){F, vd3_mad(vd3_scale(w0, s->d0), w1, s->d1), (vd_set(16) * s->near > s->rr) & vd_sane(s->rr)};
+  return (skf_vvalue){F, vd3_mad(vd3_scale(w0, s->d0), w1, s->d1),
+                      (vd_set(SKF_PICK(16, 64)) * s->near > s->rr) & vd_sane(s->rr)};
 }
 
 /* D = 2 n^2 / (r0 r1 - d0 d1) where the sum cancels; int g dt = -2 L S / (D r0 r1). */
@@ -97,7 +98,7 @@ SKF_INLINE cauchy_segment_state cauchy_segment_begin(const segment_row *c, skf_v
   skf_vd t = vd3_dot(d, c->a), t0 = -t, t1 = c->L - t;
   skf_v3d w = vd3_mad(d, t0, c->a);
   skf_vd h2 = vd3_dot(w, w), P2 = vd_fma(c->param2, h2, vd_set(1));
-  skf_vi good = vd_fma(vd_set(256), h2, c->axis2) > t * t;
+  skf_vi good = vd_fma(vd_set(SKF_PICK(256, 1e8)), h2, c->axis2) > t * t;
   skf_vd W0 = vd_fma(c->param2 * t0, t0, P2), W1 = vd_fma(c->param2 * t1, t1, P2), WW = W0 * W1;
   return (cauchy_segment_state){w, t0, t1, vd_sqrt(P2), P2, W0 + W1, WW, vd_set(1) / (WW * P2), good};
 }
@@ -108,7 +109,8 @@ SKF_INLINE skf_vvalue cauchy_segment_end(const segment_row *c, const cauchy_segm
   skf_vd L_WW = c->L * per_WW, ends1 = (P2 - tt) * L_WW, F = vd_set(0.5) * per_P2 * (first + ends1);
   skf_vd wide = vd_fma(c->param2 * sum, sum, (P2 + P2) - tt), ends2 = vd_fms(P2, P2, tt * wide) * (L_WW * per_WW);
   skf_vd g = -c->param2 * per_P2 * vd_fma(vd_set(3), F, ends2), ends = c->param2 * sum * s->W_sum * (L_WW * per_WW);
-  skf_vi good = (ends1 + ends1 > -first) & (ends2 > -(F + F)) & (s->inv > vd_set(SKF_PICK(1e-140, 1e-18)));
+  skf_vi good = (ends1 * vd_set(SKF_PICK(2, 1.25)) > -first) & (ends2 > vd_set(SKF_PICK(-2, -2.5)) * F) &
+                (s->inv > vd_set(SKF_PICK(1e-140, 1e-18)));
   return (skf_vvalue){F, vd3_mad(vd3_scale(ends, c->a), g, s->w), good & s->good};
 }
 
