@@ -44,8 +44,8 @@ void skf_prepare(const skf_element *e, skf_prepared *out) {
   out->primitive = e->primitive;
   out->kernel = e->kernel;
   out->strength = e->strength;
-  out->scalable = e->kernel.type < SKF_KERNEL_COUNT && e->primitive.shape < SKF_SHAPE_COUNT;
-  out->moderate = skf_moderate(e);
+  out->scalable = e->kernel.type < SKF_KERNEL_COUNT && e->primitive.shape <= SKF_PLANE;
+  out->moderate = !out->scalable || skf_moderate(e);
   out->weight = NULL;
   if (e->primitive.shape == SKF_SEGMENT) segment(&e->primitive.segment, &out->plan.segment);
   if (e->primitive.shape == SKF_ARC) arc(&e->primitive.arc, &out->plan.arc);
