@@ -15,7 +15,7 @@
 #include <sleef.h>
 #endif
 
-enum { POINTS = 2048, PAD = 24, RUNS = 150, HUGE_POINTS = 2000000, FORMULAS = 5 };
+enum { POINTS = 2048, PAD = 24, RUNS = 150, HUGE_POINTS = 2000000, FORMULAS = 7 };
 
 static double p[3][POINTS + PAD], F[4][POINTS + PAD]; /* padded: rows a multiple of 4096 bytes apart disturb */
 static long double exact[4][POINTS];
@@ -29,11 +29,9 @@ typedef struct library {
 static const struct {
   skf_kernel_type kernel;
   skf_shape shape;
-} formulas[FORMULAS] = {{SKF_INVERSE, SKF_SEGMENT},
-                        {SKF_CAUCHY, SKF_SEGMENT},
-                        {SKF_INVERSE, SKF_TRIANGLE},
-                        {SKF_CAUCHY, SKF_ARC},
-                        {SKF_GAUSSIAN, SKF_POINT}};
+} formulas[FORMULAS] = {
+    {SKF_INVERSE, SKF_SEGMENT}, {SKF_CAUCHY, SKF_SEGMENT},   {SKF_INVERSE, SKF_TRIANGLE},       {SKF_CAUCHY, SKF_ARC},
+    {SKF_GAUSSIAN, SKF_POINT},  {SKF_GAUSSIAN, SKF_SEGMENT}, {SKF_INVERSE_SQUARED, SKF_SEGMENT}};
 
 #define V           long double
 #define REAL        long double
@@ -44,6 +42,7 @@ static const struct {
 #define SQRT        sqrtl
 #define LOG1P       log1pl
 #define EXP         expl
+#define ERF         erfl
 #define ATAN        atanl
 #define ATAN2       atan2l
 #define SIN         sinl
@@ -59,6 +58,7 @@ static const struct {
 #define SQRT        sqrt
 #define LOG1P       log1p
 #define EXP         exp
+#define ERF         erf
 #define ATAN        atan
 #define ATAN2       atan2
 #define SIN         sin
@@ -66,7 +66,8 @@ static const struct {
 #include "formula.h"
 
 #ifdef SKF_HAVE_LIBMVEC
-__m256d _ZGVdN4v_log1p(__m256d), _ZGVdN4v_exp(__m256d), _ZGVdN4v_atan(__m256d), _ZGVdN4vv_atan2(__m256d, __m256d);
+__m256d _ZGVdN4v_erf(__m256d), _ZGVdN4v_log1p(__m256d), _ZGVdN4v_exp(__m256d), _ZGVdN4v_atan(__m256d),
+    _ZGVdN4vv_atan2(__m256d, __m256d);
 #define V           skf_vd
 #define REAL        double
 #define NAME(x)     glibc_##x
@@ -75,6 +76,7 @@ __m256d _ZGVdN4v_log1p(__m256d), _ZGVdN4v_exp(__m256d), _ZGVdN4v_atan(__m256d), 
 #define OUT         F
 #define SQRT        vd_sqrt
 #define LOG1P(x)    ((skf_vd)_ZGVdN4v_log1p((__m256d)(x)))
+#define ERF(x)      ((skf_vd)_ZGVdN4v_erf((__m256d)(x)))
 #define EXP(x)      ((skf_vd)_ZGVdN4v_exp((__m256d)(x)))
 #define ATAN(x)     ((skf_vd)_ZGVdN4v_atan((__m256d)(x)))
 #define ATAN2(y, x) ((skf_vd)_ZGVdN4vv_atan2((__m256d)(y), (__m256d)(x)))
@@ -92,6 +94,7 @@ __m256d _ZGVdN4v_log1p(__m256d), _ZGVdN4v_exp(__m256d), _ZGVdN4v_atan(__m256d), 
 #define OUT         F
 #define SQRT        vd_sqrt
 #define LOG1P(x)    ((skf_vd)Sleef_log1pd4_u10avx2((__m256d)(x)))
+#define ERF(x)      ((skf_vd)Sleef_erfd4_u10avx2((__m256d)(x)))
 #define EXP(x)      ((skf_vd)Sleef_expd4_u10avx2((__m256d)(x)))
 #define ATAN(x)     ((skf_vd)Sleef_atand4_u10avx2((__m256d)(x)))
 #define ATAN2(y, x) ((skf_vd)Sleef_atan2d4_u10avx2((__m256d)(y), (__m256d)(x)))

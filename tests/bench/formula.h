@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Textbook formulas of F and its gradient, written once for every library of functions that bench_batch.c compares.
    Included with NAME(x); REAL, a type of numbers; V, REAL or a vector of doubles; LOAD(p) and STORE(p, v); SQRT, LOG1P,
-   EXP, ATAN and ATAN2 on V; OUT, four arrays. Bodies are in general position but for the arc, which lies in z = 0 about
-   the origin, symmetric to the x axis. */
+   EXP, ERF, ATAN and ATAN2 on V; OUT, four arrays. Bodies are in general position but for the arc, which lies in z = 0
+   about the origin, symmetric to the x axis. */
 
 typedef struct NAME(body) {
   V a[3], b[3], u[3], L, s;              /* a point, or a segment's ends, direction, length; the kernel's parameter */
@@ -38,6 +38,33 @@ static inline void NAME(cauchy_segment)(const NAME(body) * c, const V x[3], V ou
   V dP = per_P * (tA * (per_A + per_P) + tB * (per_B + per_P) + (tA + tB + 3 * angle) * per_P / 2) / -2;
   out[0] = per_P * (tA + tB + angle) / 2;
   for (int k = 0; k < 3; k++) out[1 + k] = ends * c->u[k] + 2 * s2 * dP * e[k];
+}
+
+/* From the segment's direction: abscissae of x, from both ends, and what is across. */
+static inline void NAME(along)(const NAME(body) * c, const V x[3], V *t, V *rest, V e[3]) {
+  V d[3];
+  for (int k = 0; k < 3; k++) d[k] = x[k] - c->a[k];
+  *t = NAME(dot)(d, c->u), *rest = c->L - *t;
+  for (int k = 0; k < 3; k++) e[k] = d[k] - *t * c->u[k];
+}
+
+static inline void NAME(gaussian_segment)(const NAME(body) * c, const V x[3], V out[4]) {
+  V t, rest, e[3], s2 = c->s * c->s;
+  NAME(along)(c, x, &t, &rest, e);
+  V h = EXP(-(s2 * NAME(dot)(e, e))),
+    value = h * (ERF(c->s * t) + ERF(c->s * rest)) * (REAL)0.88622692545275801365L / c->s;
+  V ends = h * (EXP(-(s2 * t * t)) - EXP(-(s2 * rest * rest)));
+  out[0] = value;
+  for (int k = 0; k < 3; k++) out[1 + k] = ends * c->u[k] - 2 * s2 * value * e[k];
+}
+
+static inline void NAME(squared_segment)(const NAME(body) * c, const V x[3], V out[4]) {
+  V t, rest, e[3];
+  NAME(along)(c, x, &t, &rest, e);
+  V hh = NAME(dot)(e, e), h = SQRT(hh), A = 1 / (hh + t * t), B = 1 / (hh + rest * rest);
+  V value = ATAN2(h * c->L, hh - t * rest) / h, J = (t * A + rest * B + value) / hh, ends = A - B;
+  out[0] = value;
+  for (int k = 0; k < 3; k++) out[1 + k] = ends * c->u[k] - J * e[k];
 }
 
 /* [Wilson 1994; van Oosterom and Strackee 1983] */
@@ -138,11 +165,14 @@ FORMULA_RUN(cauchy_segment)
 FORMULA_RUN(inverse_triangle)
 FORMULA_RUN(cauchy_arc)
 FORMULA_RUN(gaussian_point)
+FORMULA_RUN(gaussian_segment)
+FORMULA_RUN(squared_segment)
 #undef FORMULA_RUN
 
 static const library NAME(library) = {NAME(prepare),
                                       {NAME(run_inverse_segment), NAME(run_cauchy_segment), NAME(run_inverse_triangle),
-                                       NAME(run_cauchy_arc), NAME(run_gaussian_point)}};
+                                       NAME(run_cauchy_arc), NAME(run_gaussian_point), NAME(run_gaussian_segment),
+                                       NAME(run_squared_segment)}};
 #undef V
 #undef REAL
 #undef NAME
@@ -152,6 +182,7 @@ static const library NAME(library) = {NAME(prepare),
 #undef SQRT
 #undef LOG1P
 #undef EXP
+#undef ERF
 #undef ATAN
 #undef ATAN2
 #undef SIN
