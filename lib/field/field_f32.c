@@ -61,7 +61,7 @@ static skf_status split(const skf_field *field, skf_field_f32 *f, skf_element *r
     const skf_element *e = skf_field_element(field, i);
     skf_prepared *p = f->prepared + here;
     bool fits = false;
-    if (e->kernel.type < SKF_KERNEL_COUNT) {
+    if (e->kernel.type < SKF_KERNEL_COUNT && e->primitive.shape != SKF_SOLID && !e->profile) {
       skf_element l = localise(e, f->origin, f->unit);
       if (!skf_primitive_check(&l.primitive, NULL) && isfinite(l.strength))
         skf_prepare(&l, p), fits = skf_batch_form_of(&f->ops->pack, p) < SKF_FORM_COUNT;

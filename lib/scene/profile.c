@@ -82,8 +82,8 @@ static void share(skf_element *elements, size_t n, skf_profile *p) {
 
 skf_status skf_profile_apply(skf_reader *r, const skf_node *node, const char *kind, skf_element *elements, size_t n,
                              skf_profile **block) {
-  skf_profile_type type;
-  const skf_node *list;
+  skf_profile_type type = SKF_PROFILE_COUNT;
+  const skf_node *list = NULL;
   *block = NULL;
   skf_status s = read_type(r, node, &type, &list);
   if (s || type == SKF_PROFILE_COUNT) return s;

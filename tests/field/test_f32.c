@@ -55,7 +55,7 @@ static void test_pairs(void **state) {
   (void)state;
   uint64_t seed = 31;
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
+    for (int s = 0; s < SKF_SOLID; s++) {
       double worst = 0, units = s == SKF_TRIANGLE ? 512 : 16;
       int repeats = s == SKF_TRIANGLE && k != SKF_INVERSE ? 1 : 9;
       for (int n = 0; n < repeats; n++) {

@@ -206,7 +206,7 @@ static void test_extremes(void **state) {
   (void)state;
   static const skf_vec3 way[] = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {0.6, 0, 0.8}};
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int s = 0; s < SKF_SHAPE_COUNT; s++)
+    for (int s = 0; s < SKF_SOLID; s++)
       for (int size = -300; size <= 300; size += 20)
         for (int d = -310; d <= 300; d += size ? 50 : 5)
           for (int w = 0; w < 4; w++) {

@@ -379,6 +379,24 @@ static void batches(void **state) {
   skf_field_free(all);
 }
 
+/* Fields in floats know the weights, too. */
+static void floats(void **state) {
+  (void)state;
+  const skf_profile half = {.ends = {0, 1}};
+  skf_element e = {.kernel = {SKF_INVERSE, 1}, .strength = 1, .profile = &half};
+  e.primitive = (skf_primitive){.shape = SKF_SEGMENT, .segment = {{-1, 0, 0}, {1, 0, 0}}};
+  skf_field *f;
+  skf_field_f32 *g;
+  float p[3][8] = {{0}, {1, 1, 1, 1, 1, 1, 1, 1}, {0}}, F[8];
+  for (int i = 0; i < 8; i++) p[0][i] = -2 + 0.5f * (float)i;
+  const float *const in[3] = {p[0], p[1], p[2]};
+  assert_int_equal(skf_field_new(&e, 1, &f), SKF_OK);
+  assert_int_equal(skf_field_f32_new(f, v3(0, 0, 0), 1, &g), SKF_OK);
+  assert_int_equal(skf_field_f32_eval(g, 8, in, F, NULL), SKF_OK);
+  for (int i = 0; i < 8; i++) check_close(F[i], skf_field_at(f, v3(p[0][i], 1, 0), NULL), 1e-5);
+  skf_field_f32_free(g), skf_field_free(f);
+}
+
 /* On the body itself: infinite by the weight there, finite at its zeros for 1/r. */
 static void on_the_body(void **state) {
   (void)state;
@@ -451,6 +469,7 @@ int main(void) {
       cmocka_unit_test(derivatives_are_differences),
       cmocka_unit_test(bounds_hold),
       cmocka_unit_test(batches),
+      cmocka_unit_test(floats),
       cmocka_unit_test(on_the_body),
       cmocka_unit_test(measures),
       cmocka_unit_test(bad_profiles_are_refused),
