@@ -97,7 +97,7 @@ skf_status skf_solid_expand(skf_solid *s) {
   /* Nearer, a sum over the faces; it loses the square of the distance over the size, less for many faces, whose errors
      are independent of each other. */
   size_t faces = s->face_count;
-  double kappa = faces < 100 ? 4 : faces < 20000 ? 8 : 32, per = 1 / s->radius;
+  double kappa = faces < 100 ? 4 : faces < 20000 ? 6 : 32, per = 1 / s->radius;
   s->far = kappa * s->radius;
   static const double bands[SKF_SOLID_BANDS] = {1, 2, 4, 16, 256};
   for (int i = 0; i < SKF_SOLID_BANDS; i++) s->band[i] = bands[i] * s->far, s->degrees[i] = degree_at(bands[i] * kappa);

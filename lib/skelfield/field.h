@@ -198,10 +198,7 @@ SKF_API double skf_field_tensor_at(const skf_field *field, skf_vec3 p, skf_vec3 
    skf_field_at by 20 units of 1.1e-16 (segments 60, arcs 100, triangles 1000) at most, relative to |F| and max(|g|, |F|
    / distance), times how many times the field's own relative change exceeds the point's; in a field of several elements
    relative to the sum of theirs, not more where they cancel. (Eight at a time are added plainly, these sums without
-   loss.) With SKELFIELD_ISA=scalar in the environment when the field is made they are the same bits.
-   Solids: F to 5e-14 and the gradient to 1e-13 of themselves, the Hessian to 1e-12 of max(|h|, F / distance^2), inside,
-   outside, on and next to faces, edges and vertices and out to 1e7 sizes; there is one pass for all three, and a point
-   by itself (skf_field_at) sums in another order. */
+   loss.) With SKELFIELD_ISA=scalar in the environment when the field is made they are the same bits. */
 SKF_API skf_status skf_field_eval(const skf_field *field, size_t n, const double *const p[3], double *F,
                                   double *const g[3], double *const h[6]);
 
@@ -222,6 +219,10 @@ SKF_API void skf_field_f32_free(skf_field_f32 *field);
    the range of floats becomes infinite or, below 1e-36 of the largest strength, 0. */
 SKF_API skf_status skf_field_f32_eval(const skf_field_f32 *field, size_t n, const float *const p[3], float *F,
                                       float *const g[3]);
+
+/* Solids, by any of these functions: F to 1e-13 and the gradient to 2e-13 of themselves, the Hessian to 1e-12 of
+   max(|h|, F / distance^2), inside, outside, on and next to faces, edges and vertices and out to 1e7 sizes. A batch
+   gets F, gradient and Hessian in one pass; a point by itself sums in another order. */
 
 /* How one kernel on one shape is evaluated. */
 typedef struct skf_pair_info {

@@ -282,13 +282,12 @@ static void solids(void **state) {
   check_close(skf_primitive_measure(&e->primitive), 1 / 6.0, 1e-15);
   check_close(s->bodies[0].rho, 12, 1e-15);
   skf_scene_free(s);
-  s = good("skelfield: 1\nbodies:\n- {name: a, iso: 1, skeleton: [solid: {file: good.off}]}\n"); /* no kernel */
+  s = good("skelfield: 1\nbodies:\n- {name: a, iso: 1, skeleton: [{solid: {file: good.off}}]}\n"); /* no kernel */
   skf_scene_free(s);
   static const struct {
     const char *entry, *part;
   } bad[] = {
-      {"{file: open.off}",
-       "mesh open.off: has faces of inconsistent orientation at the edge from (0, 0, 0) to (1, 0, 0)"},
+      {"{file: open.off}", "mesh open.off: is not closed at the edge from (0, 0, 0) to (1, 0, 0), which has 3 faces"},
       {"{file: inward.off}", "mesh inward.off: faces inward (its volume is -0.166666667), expected a closed mesh that"},
       {"{file: gone.off}", "mesh gone.off: No such file or directory, expected"},
       {"{strength: 2}", "missing 'file' in solid, expected a file name"},
