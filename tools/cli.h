@@ -43,6 +43,16 @@ void cli_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* Reads a scene; on failure the message is out and CLI_BAD is returned. */
 int cli_scene(const char *path, skf_scene **out);
+/* Makes the bodies' fields anew to the --accuracy that is given, if it is. */
+int cli_accuracy(const cli *c, skf_scene *scene);
+/* The option's row, for the commands that have it. */
+#define CLI_ACCURACY                                                                                                   \
+  {                                                                                                                    \
+    0, "accuracy", "A",                                                                                                \
+        "1e-12 to 0.01: sum 4000 or more primitives of one kernel (inverse, inverse-squared, cauchy) by expansions, "  \
+        "F to "                                                                                                        \
+        "this part of the sum of its absolute terms (default: add up every primitive, to rounding)"                    \
+  }
 /* Index of a body by name, or -1 after the message. */
 int cli_body(const skf_scene *scene, const char *name);
 

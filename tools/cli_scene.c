@@ -24,6 +24,24 @@ int cli_scene(const char *path, skf_scene **out) {
   return cli_fail(s == SKF_ERR_NOMEM ? CLI_FAILED : CLI_BAD, "%s: %s", path, e.text);
 }
 
+int cli_accuracy(const cli *c, skf_scene *scene) {
+  skf_field_options options = {.accuracy = 0};
+  if (!cli_given(c, "accuracy")) return CLI_DONE;
+  int status = cli_number(c, "accuracy", 0, &options.accuracy);
+  if (status) return status;
+  for (size_t i = 0; i < scene->body_count; i++) {
+    skf_body *b = scene->bodies + i;
+    skf_field *field;
+    skf_status s = skf_field_new_with(b->elements, b->element_count, &options, &field);
+    if (s == SKF_ERR_RANGE)
+      return cli_fail(CLI_BAD, "--accuracy %s: expected a number from 1e-12 to 0.01", cli_value(c, "accuracy"));
+    if (s) return cli_fail_status(s, b->name);
+    skf_field_free(b->field);
+    b->field = field;
+  }
+  return CLI_DONE;
+}
+
 int cli_body(const skf_scene *scene, const char *name) {
   for (size_t i = 0; i < scene->body_count; i++)
     if (strcmp(scene->bodies[i].name, name) == 0) return (int)i;

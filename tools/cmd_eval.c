@@ -45,9 +45,10 @@ static size_t batch_size(const skf_scene *scene) {
   return n < 64 ? 64 : n > 16384 ? 16384 : n;
 }
 
-static int evaluate(table *t, const skf_scene *scene, int only) {
+static int evaluate(table *t, const skf_scene *scene, int only, bool far) {
   skf_progress progress = cli_progress("eval");
-  size_t batch = batch_size(scene), bodies = only < 0 ? scene->body_count : 1, first = only < 0 ? 0 : (size_t)only;
+  size_t batch = far ? 1 << 18 : batch_size(scene), bodies = only < 0 ? scene->body_count : 1,
+         first = only < 0 ? 0 : (size_t)only;
   for (size_t from = 0; from < t->n; from += batch) {
     size_t n = t->n - from < batch ? t->n - from : batch;
     for (size_t b = first; b < first + bodies; b++) {
@@ -80,7 +81,7 @@ static int write_table(const table *t, const char *path) {
   return cli_out_commit(&out);
 }
 
-static int run_with(const cli *c, const skf_scene *scene) {
+static int run_with(const cli *c, skf_scene *scene) {
   const char *name = cli_value(c, "body");
   int only = name ? cli_body(scene, name) : -1;
   if (name && only < 0) return CLI_BAD;
@@ -89,9 +90,11 @@ static int run_with(const cli *c, const skf_scene *scene) {
   int status = cli_csv(cli_operand(c, 1), "x,y,z", 3, NULL, &rows, &n);
   if (status != CLI_DONE) return status;
   table t;
+  status = cli_accuracy(c, scene);
+  if (status != CLI_DONE) return free(rows), status;
   status = table_new(&t, rows, n, cli_given(c, "tensor"));
   free(rows);
-  if (status == CLI_DONE) status = evaluate(&t, scene, only);
+  if (status == CLI_DONE) status = evaluate(&t, scene, only, cli_given(c, "accuracy"));
   if (status == CLI_DONE) status = write_table(&t, cli_value(c, "output"));
   free(t.memory);
   return status;
@@ -109,6 +112,7 @@ static const cli_option options[] = {
     {'o', "output", "FILE", "where the table goes (default: stdout)"},
     {'b', "body", "NAME", "the field of this body alone (default: the sum over all bodies)"},
     {'t', "tensor", NULL, "add the second derivatives"},
+    CLI_ACCURACY,
 };
 
 const cli_command cmd_eval = {

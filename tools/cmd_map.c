@@ -138,6 +138,7 @@ static int write_csv(map_job *j) {
 static int work(map_job *j) {
   int status = parse(j);
   if (!status) status = cli_scene(cli_operand(j->c, 0), &j->scene);
+  if (!status) status = cli_accuracy(j->c, j->scene);
   if (!status) status = run_read(cli_value(j->c, "orbits"), cli_value(j->c, "contacts"), &j->run);
   if (!status && j->format) status = open_canvas(j);
   if (!status) status = lay_out(j);
@@ -179,6 +180,7 @@ static const cli_option options[] = {
     {0, "font", "FILE", "a TrueType font (default: DejaVu Sans)"},
     {0, "orbits", "RUN.csv", "draw the paths that simulate wrote"},
     {0, "contacts", "C.csv", "mark the contacts that simulate --contacts wrote"},
+    CLI_ACCURACY,
     {0, "csv", "FILE", "also write the samples: x,y,z and the quantity; without -o only these"},
 };
 

@@ -30,6 +30,24 @@ expect_close "hxx of 2 / r" "$(field 2 8)" 0.5 1e-15
 expect_close "hyy of 2 / r" "$(field 2 11)" -0.25 1e-15
 expect_close "hxy off the axis" "$(field 4 9)" "$(awk 'BEGIN { printf "%.17g", 2 * 3 * 1 * 2 / 243 }')" 1e-14
 
+# Expansions: the same to the accuracy, and only where there are many primitives.
+awk 'BEGIN { print "skelfield: 1\nbodies:\n  - name: a\n    iso: 1\n    kernel: {type: inverse}\n    skeleton:";
+  for (i = 0; i < 4100; i++) printf "      - point: {at: [%.6f, %.6f, %.6f]}\n", sin(i), sin(1.7 * i), cos(2.3 * i * i) }' >crowd.yaml
+printf 'x,y,z\n0.11,0.2,0.3\n5,0,0\n' >some.csv
+run eval crowd.yaml some.csv
+near=$(field 2 4) far=$(field 3 4)
+run eval crowd.yaml some.csv --accuracy 1e-4
+expect_status "eval with expansions" 0
+expect_close "F inside to the accuracy" "$(field 2 4)" "$near" 1e-4
+expect_close "F outside to the accuracy" "$(field 3 4)" "$far" 1e-4
+expect "they are no direct sums" [ "$(field 2 4)" != "$near" ]
+run eval two.yaml points.csv
+cp "$kept/out" want.csv
+run eval two.yaml points.csv --accuracy 1e-4
+expect_same "few primitives are added up" out want.csv
+run eval two.yaml points.csv --accuracy 0.1
+expect_refused "an accuracy out of range" "--accuracy 0.1: expected a number from 1e-12 to 0.01"
+
 # Tables as other programs write them, and from a pipe.
 printf '\xef\xbb\xbfx,y,z\r\n 2 ,\t0,+.0e0 \r\n\r\n0,0,0\r\n1,2,-2' >dos.csv
 run eval two.yaml points.csv

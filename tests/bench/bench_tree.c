@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT */
+/* Large skeletons: 10^5 and 10^6 random Newtonian segments in a unit box, 0.02 long, at 10^6 random points in it. Times
+   of the library's direct sum (of fewer points) and of the expansions, what those cost to make, and the worst
+   difference. CPU time on one thread; it only reports. */
+#include "core/vec3.h"
+#include "skelfield/field.h"
+#include <omp.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { POINTS = 1000000, SAMPLES = 512 };
+
+static double p[3][POINTS], F[POINTS], g[3][POINTS], want[SAMPLES], slope[3][SAMPLES];
+static unsigned long long seed = 1;
+
+static double uniform(void) {
+  seed = seed * 6364136223846793005u + 1442695040888963407u;
+  return (double)(seed >> 11) * 0x1p-53;
+}
+
+static double now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static skf_element *segments(size_t n) {
+  skf_element *e = calloc(n, sizeof *e);
+  for (size_t i = 0; e && i < n; i++) {
+    skf_vec3 m = {uniform(), uniform(), uniform()}, d = {uniform() - 0.5, uniform() - 0.5, uniform() - 0.5};
+    d = v3_scale(0.01, v3_unit(d));
+    e[i] = (skf_element){.kernel = {.type = SKF_INVERSE}, .strength = 0.5 + uniform()};
+    e[i].primitive = (skf_primitive){.shape = SKF_SEGMENT, .segment = {v3_sub(m, d), v3_add(m, d)}};
+  }
+  return e;
+}
+
+static double eval(const skf_field *f, size_t n, double *value, double *const grad[3]) {
+  const double *const in[3] = {p[0], p[1], p[2]};
+  double t = now();
+  if (skf_field_eval(f, n, in, value, grad, NULL)) exit(1);
+  return (now() - t) / (double)n * 1e6;
+}
+
+/* us per point by expansions */
+static double row(const skf_element *e, size_t n, double accuracy, double direct) {
+  skf_field *f;
+  double worst[2] = {0, 0}, t = now();
+  if (skf_field_new_with(e, n, &(skf_field_options){.accuracy = accuracy}, &f)) exit(1);
+  t = now() - t;
+  double us = eval(f, POINTS, F, (double *const[3]){g[0], g[1], g[2]});
+  for (int i = 0; i < SAMPLES; i++) {
+    skf_vec3 a = {slope[0][i], slope[1][i], slope[2][i]}, b = {g[0][i], g[1][i], g[2][i]};
+    worst[0] = fmax(worst[0], fabs(F[i] - want[i]) / want[i]);
+    worst[1] = fmax(worst[1], v3_dist(a, b) / (v3_norm(a) + want[i]));
+  }
+  printf("%8zu  %6.0e  %7.2f  %9.2f  %8.1f  %6.0fx  %5.0fx  %8.1e  %8.1e\n", n, accuracy, t, us, direct, direct / us,
+         direct / (us + t * 1e6 / POINTS), worst[0], worst[1]);
+  fflush(stdout);
+  skf_field_free(f);
+  return us;
+}
+
+int main(void) {
+  static const size_t sizes[] = {100000, 1000000};
+  double us[2];
+  omp_set_num_threads(1);
+  for (int k = 0; k < 3; k++)
+    for (size_t i = 0; i < POINTS; i++) p[k][i] = uniform();
+  puts("segments  accuracy  made, s  us/point    direct    ratio  with making  F off   gradient off");
+  for (int s = 0; s < 2; s++) {
+    skf_element *e = segments(sizes[s]);
+    skf_field *f;
+    if (!e || skf_field_new(e, sizes[s], &f)) return 1;
+    double direct = eval(f, s ? SAMPLES / 4 : SAMPLES, want, (double *const[3]){slope[0], slope[1], slope[2]});
+    if (s) eval(f, SAMPLES, want, (double *const[3]){slope[0], slope[1], slope[2]});
+    skf_field_free(f);
+    us[s] = row(e, sizes[s], 1e-6, direct);
+    if (s == 0) row(e, sizes[s], 1e-12, direct);
+    free(e);
+  }
+  printf("time of a point, 10^6 segments over 10^5: %.2f\n", us[1] / us[0]);
+  return 0;
+}
