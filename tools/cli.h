@@ -47,12 +47,7 @@ int cli_scene(const char *path, skf_scene **out);
 int cli_accuracy(const cli *c, skf_scene *scene);
 /* The option's row, for the commands that have it. */
 #define CLI_ACCURACY                                                                                                   \
-  {                                                                                                                    \
-    0, "accuracy", "A",                                                                                                \
-        "1e-12 to 0.01: sum 4000 or more primitives of one kernel (inverse, inverse-squared, cauchy) by expansions, "  \
-        "F to "                                                                                                        \
-        "this part of the sum of its absolute terms (default: add up every primitive, to rounding)"                    \
-  }
+  { 0, "accuracy", "A", "sum 4000 or more primitives of a kernel by expansions, to A of the absolute sum (see below)" }
 /* Index of a body by name, or -1 after the message. */
 int cli_body(const skf_scene *scene, const char *name);
 

@@ -126,5 +126,8 @@ const cli_command cmd_eval = {
     "out: x,y,z,F,gx,gy,gz, one row for each point, in order; F is the sum over the bodies of\n"
     "     F(p) = sum of strength times the integral of the kernel over the primitive, g its gradient;\n"
     "     --tensor adds hxx,hxy,hxz,hyy,hyz,hzz. F is inf where the field is infinite.\n"
+    "     --accuracy A, from 1e-12 to 0.01, is for large skeletons: 4000 or more primitives of one kernel\n"
+    "     (inverse, inverse-squared, cauchy) are summed by expansions, F to A times the sum of its absolute\n"
+    "     terms; without it every primitive is added up, to rounding.\n"
     "example: skelfield eval data/donut.yaml points.csv -o field.csv",
     run};

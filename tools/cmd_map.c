@@ -193,6 +193,7 @@ const cli_command cmd_map = {
     .option_count = sizeof options / sizeof *options,
     .notes =
         "Formats: png, jpg, tif, webp, bmp, ppm. A colour bar that ends in a point says that values go on beyond it.\n"
+        "--accuracy A, from 1e-12 to 0.01, is for large skeletons: as in skelfield eval.\n"
         "Examples:\n"
         "  skelfield map donut.yaml -o donut.png --plane y=0 --quantity potential\n"
         "  skelfield map donut.yaml -o orbits.png --orbits run.csv --contacts contacts.csv\n",
