@@ -73,7 +73,7 @@ typedef struct run {
   unsigned leaf, from, n;
 } run;
 
-/* Sorts the points of a chunk by leaf, in two passes over 2^16 buckets at most; how many blocks there are. */
+/* Sorts the points of a chunk by leaf and cuts them into blocks; how many there are. */
 static size_t sort(const skf_far *f, size_t n, unsigned *leaf, unsigned *index, unsigned *count, run *runs) {
   size_t blocks = 0;
   memset(count, 0, (f->leaves + 1) * sizeof *count);
