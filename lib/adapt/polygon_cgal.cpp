@@ -60,7 +60,7 @@ bool insert_edges(Cdt &cdt, Rings &r) {
       try {
         cdt.insert_constraint(a, b);
       } catch (const Cdt::Intersection_of_constraints_exception &) {
-        return fault(r, "a polygon whose edges cross", first + i);
+        return fault(r, "a polygon whose edges touch or cross", first + i);
       }
       if (!cdt.is_edge(a, b)) return fault(r, "a polygon whose edges touch", first + i); /* a vertex lies on it */
     }

@@ -21,7 +21,7 @@ typedef struct skf_prepared {
   skf_primitive primitive;
   skf_kernel kernel;
   double strength;
-  bool moderate, scalable; /* see field/extreme.h; whether that serves the pair */
+  bool moderate, scalable;  /* see field/extreme.h; whether that serves the pair */
   const skf_weight *weight; /* of a profile; NULL: none */
   union {
     skf_segment_plan segment;

@@ -147,10 +147,10 @@ SKF_API double skf_element_measure(const skf_element *element);
 /* A field that is ready to be evaluated: immutable, safe to share between threads. */
 typedef struct skf_field skf_field;
 
-/* Copies the elements and their profiles, solids behind the others, and holds the solids. SKF_ERR_ARG (also a profile of
-   something else than a segment or an arc), SKF_ERR_RANGE, SKF_ERR_DEGENERATE, SKF_ERR_UNSUPPORTED (a user's kernel that
-   cannot be integrated over a plane, a solid with another kernel than inverse) or SKF_ERR_NOMEM on failure; n = 0 is the
-   zero field. */
+/* Copies the elements and their profiles, solids behind the others, and holds the solids. SKF_ERR_ARG (also a profile
+   of something else than a segment or an arc), SKF_ERR_RANGE, SKF_ERR_DEGENERATE, SKF_ERR_UNSUPPORTED (a user's kernel
+   that cannot be integrated over a plane, a solid with another kernel than inverse) or SKF_ERR_NOMEM on failure; n = 0
+   is the zero field. */
 SKF_API skf_status skf_field_new(const skf_element *elements, size_t n, skf_field **out);
 SKF_API void skf_field_free(skf_field *field);
 

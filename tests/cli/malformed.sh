@@ -10,6 +10,7 @@ printf 'x,y,z\n1,2,3\n' >points.csv
 
 # The checks of expect_refused, without its processes: there are many scenes.
 while IFS=$'\t' read -r file name line part <&3; do
+  [[ $name == *" without CGAL" ]] && has cgal && continue
   "$SKF_PROGRAM" eval "$file" points.csv -o out.csv </dev/null >"$kept/out" 2>"$kept/err"
   ran_status=$? ran="skelfield eval $file"
   mapfile -t said <"$kept/err"
