@@ -87,7 +87,7 @@ SKF_INLINE skf_vvalue cauchy_gather(const arc_row *c, const arc_view *f, const c
    Pm) / 2, b = (Pp - Pm) / 2 and the azimuth mu of x from the middle of the arc,
      N cos delta = a C - b cos mu, N cos sigma = a cos mu - b C, N sin delta = D S, W0 + W1 = 2 (a - b C cos mu). */
 typedef struct cauchy_arc_state {
-  skf_vd u, v, z, k, inner, outer, Pm, Pp, D, a, b, m, cross, dot, N2, inv;
+  skf_vd u, v, z, k, inner, outer, Pm, Pp, D, a, b, m, cross, dot, N2, inv, offset, t;
   skf_vi good;
 } cauchy_arc_state;
 
@@ -98,16 +98,23 @@ SKF_INLINE cauchy_arc_state cauchy_arc_begin(const arc_row *c, skf_v3d x) {
   skf_vd one = vd_set(1), Pm = vd_fma(c->param2, alpha, one), Pp = vd_fma(c->param2, beta, one), D = vd_sqrt(Pm * Pp);
   skf_vd b2 = (c->rho + c->rho) * c->param2, m = vd_fma(c->C, u, c->S * v), b = b2 * k, a = Pm + b;
   skf_vd dot = vd_fnma(b2, m, a * c->C), cross = D * c->S, N2 = vd_fma(dot, dot, cross * cross);
-  skf_vd inv = one / (k * D * N2);
-  skf_vi good = (vd_set(1024) * alpha > outer * outer) & (vd_set(1024) * N2 > a * a) & vd_sane(inv);
-  return (cauchy_arc_state){u, v, z, k, inner, outer, Pm, Pp, D, a, b, m, cross, dot, N2, inv, good};
+  skf_vi good = (vd_set(1024) * alpha > outer * outer) & (vd_set(1024) * N2 > a * a);
+  return (cauchy_arc_state){u, v, z, k, inner, outer, Pm, Pp, D, a, b, m, cross, dot, N2, D, D, D, good};
+}
+
+SKF_INLINE void cauchy_arc_middle(const arc_row *c, cauchy_arc_state *s) {
+  (void)c;
+  skf_vangle a = vd_angle_parts(s->cross, s->dot);
+  s->inv = vd_set(1) / (s->k * s->D * s->N2);
+  s->offset = a.offset, s->t = a.top / a.bottom;
+  s->good &= vd_sane(s->inv);
 }
 
 SKF_INLINE skf_vvalue cauchy_arc_end(const arc_row *c, const cauchy_arc_state *s) {
   skf_vd per_N2 = s->inv * (s->D * s->k), rest = s->inv * s->N2, per_D = rest * s->k, per_k = rest * s->D;
   skf_vd per = per_D * per_D, im = s->Pp * per, ip = s->Pm * per, mu = s->m * per_k,
          cs = vd_fnma(s->b, c->C, s->a * mu);
-  skf_vd delta = vd_angle(s->cross, s->dot), sN = s->cross * per_N2,
+  skf_vd delta = vd_angle_series(s->offset, s->t), sN = s->cross * per_N2,
          first = vd_set(0.5) * sN * cs;                                                 /* sin d cos s / 2 */
   skf_vd second = sN * s->dot * vd_fma(vd_set(0.25) * per_N2 * cs, cs, vd_set(-0.125)); /* sin 2d cos 2s / 16 */
   skf_vd half = vd_set(0.5) * delta, fourth = vd_fma(vd_set(0.375), delta, second);
@@ -171,7 +178,7 @@ SKF_INLINE skf_vvalue inverse_circle(const arc_row *c, skf_v3d x) {
   return arc_finish(c, &f, q.K, (q.sin2 - q.K) / f.alpha, -(q.sin2 / f.beta), vd_set(0), vd_sane(f.alpha));
 }
 
-SKF_BATCH_STAGED(cauchy_arc, arc, cauchy_arc_close, 4)
+SKF_BATCH_STAGED(cauchy_arc, arc, cauchy_arc_close)
 SKF_BATCH_FORM(cauchy_circle, arc, skf_again_none)
 SKF_BATCH_FORM(inverse_circle, arc, skf_again_none)
 

@@ -36,7 +36,7 @@ static void batch_scale(size_t n, float scale, const float *F, const float *v, f
   }
 }
 
-#define SKF_BATCH_LOOPS(name, row_name, again, flight, unroll)                                                         \
+#define SKF_BATCH_COMMON(name, row_name, again)                                                                        \
   typedef row_name##_row name##_row;                                                                                   \
   static double *name##_pack(const skf_prepared *e, double *k) { return row_name##_pack(e, k); }                       \
   static __attribute__((noinline, cold)) void name##_redo(const skf_tile *tile, size_t j, const float *const p[3],     \
@@ -49,38 +49,63 @@ static void batch_scale(size_t n, float scale, const float *F, const float *v, f
     v->g = vd3_select(v->good, v->g, w.g);                                                                             \
     v->good |= w.good;                                                                                                 \
     lanes_closed(tile->element[j], &x, v);                                                                             \
-  }                                                                                                                    \
-  SKF_INLINE void name##_step(const skf_tile *tile, size_t j, const name##_row *row, skf_vd strength,                  \
-                              const float *const p[3], size_t i, size_t n, float *const sum[4]) {                      \
-    name##_state s[flight];                                                                                            \
-    unroll for (size_t u = 0; u < n; u++) s[u] = name##_begin(row, points_load(p, i + u * SKF_LANES));                 \
-    unroll for (size_t u = 0; u < n; u++) {                                                                            \
-      const size_t at = i + u * SKF_LANES;                                                                             \
-      skf_vvalue v = name##_end(row, s + u);                                                                           \
-      if (__builtin_expect(!vi_all(v.good), 0)) {                                                                      \
-        skf_vvalue w = v;                                                                                              \
-        name##_redo(tile, j, p, at, &w);                                                                               \
-        v = w;                                                                                                         \
-      }                                                                                                                \
-      sum_float(sum[0] + at, strength, v.F, j == 0);                                                                   \
-      sum_float(sum[1] + at, strength, v.g.x, j == 0);                                                                 \
-      sum_float(sum[2] + at, strength, v.g.y, j == 0);                                                                 \
-      sum_float(sum[3] + at, strength, v.g.z, j == 0);                                                                 \
+  }
+
+/* A vector's value, corrected, into the sum */
+#define SKF_F32_KEEP(name)                                                                                             \
+  SKF_INLINE void name##_keep(const skf_tile *tile, size_t j, const float *const p[3], size_t at, skf_vd strength,     \
+                              skf_vvalue v, float *const sum[4]) {                                                     \
+    if (__builtin_expect(!vi_all(v.good), 0)) {                                                                        \
+      skf_vvalue w = v;                                                                                                \
+      name##_redo(tile, j, p, at, &w);                                                                                 \
+      v = w;                                                                                                           \
     }                                                                                                                  \
-  }                                                                                                                    \
+    sum_float(sum[0] + at, strength, v.F, j == 0);                                                                     \
+    sum_float(sum[1] + at, strength, v.g.x, j == 0);                                                                   \
+    sum_float(sum[2] + at, strength, v.g.y, j == 0);                                                                   \
+    sum_float(sum[3] + at, strength, v.g.z, j == 0);                                                                   \
+  }
+
+#define SKF_F32_ADD(name)                                                                                              \
   static void name##_add(const skf_tile *tile, size_t n, const float *const p[3], float *const sum[4]) {               \
     const float *const in[3] = {p[0], p[1], p[2]};                                                                     \
     float *const out[4] = {sum[0], sum[1], sum[2], sum[3]};                                                            \
     for (size_t j = 0; j < tile->count; j++) {                                                                         \
       const skf_vd strength = vd_set(tile->column[j]);                                                                 \
-      size_t i = 0;                                                                                                    \
       name##_row row;                                                                                                  \
       row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                             \
-      for (; i + (flight)*SKF_LANES <= n; i += (flight)*SKF_LANES)                                                     \
-        name##_step(tile, j, &row, strength, in, i, flight, out);                                                      \
-      for (; i < n; i += SKF_LANES) name##_step(tile, j, &row, strength, in, i, 1, out);                               \
+      name##_all(tile, j, &row, strength, n, in, out);                                                                 \
     }                                                                                                                  \
   }
+
+#define SKF_BATCH_PAIRS(name)                                                                                          \
+  SKF_F32_KEEP(name)                                                                                                   \
+  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, skf_vd strength, size_t n,         \
+                             const float *const p[3], float *const sum[4]) {                                           \
+    size_t i = 0;                                                                                                      \
+    for (; i + 2 * SKF_LANES <= n; i += 2 * SKF_LANES) {                                                               \
+      skf_vvalue v = name##_value(row, points_load(p, i)), w = name##_value(row, points_load(p, i + SKF_LANES));       \
+      name##_keep(tile, j, p, i, strength, v, sum);                                                                    \
+      name##_keep(tile, j, p, i + SKF_LANES, strength, w, sum);                                                        \
+    }                                                                                                                  \
+    for (; i < n; i += SKF_LANES) name##_keep(tile, j, p, i, strength, name##_value(row, points_load(p, i)), sum);     \
+  }                                                                                                                    \
+  SKF_F32_ADD(name)
+
+#define SKF_BATCH_STAGES(name)                                                                                         \
+  SKF_F32_KEEP(name)                                                                                                   \
+  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, skf_vd strength, size_t n,         \
+                             const float *const p[3], float *const sum[4]) {                                           \
+    name##_state s[SKF_FLIGHT];                                                                                        \
+    for (size_t i = 0, m; i < n; i += m * SKF_LANES) {                                                                 \
+      m = n - i < SKF_FLIGHT * SKF_LANES ? (n - i) / SKF_LANES : SKF_FLIGHT;                                           \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) s[u] = name##_begin(row, points_load(p, i + u * SKF_LANES));           \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) name##_middle(row, s + u);                                             \
+      SKF_ROLLED for (size_t u = 0; u < m; u++)                                                                        \
+          name##_keep(tile, j, p, i + u * SKF_LANES, strength, name##_end(row, s + u), sum);                           \
+    }                                                                                                                  \
+  }                                                                                                                    \
+  SKF_F32_ADD(name)
 
 #define SKF_F32_ENTRY(name)                                                                                            \
   .pack.form[SKF_FORM_##name] = {.columns = sizeof(name##_row) / sizeof(skf_vd) + 1, .pack = name##_pack},             \

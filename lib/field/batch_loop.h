@@ -17,10 +17,12 @@
    `if (vi_any(m))` may save work but must not change what a lane gets.
 
    A chain of a root, a division and a polynomial is longer than what the processor looks ahead. So two vectors are
-   evaluated at once, which branches within NAME would hinder; and a long form may be cut where its first results are in
-   flight, in NAME_state NAME_begin(const ROW_row *, skf_v3d x) and skf_vvalue NAME_end(const ROW_row *, const
-   NAME_state
-   *), with SKF_BATCH_STAGED(NAME, ROW, AGAIN, FLIGHT): FLIGHT vectors begin before the first ends. */
+   evaluated at once, which branches within NAME would hinder; and a long form may be cut where its roots and where its
+   quotients are in flight, in
+     NAME_state NAME_begin(const ROW_row *, skf_v3d x)
+     void NAME_middle(const ROW_row *, NAME_state *)
+     skf_vvalue NAME_end(const ROW_row *, const NAME_state *)
+     SKF_BATCH_STAGED(NAME, ROW, AGAIN) */
 #ifndef SKF_FIELD_BATCH_LOOP_H
 #define SKF_FIELD_BATCH_LOOP_H
 
@@ -75,9 +77,8 @@ static inline double *pack1(double *k, double a) {
 }
 static inline double *pack3(double *k, skf_vec3 a) { return pack1(pack1(pack1(k, a.x), a.y), a.z); }
 
-/* For SKF_BATCH_STAGED: unrolled loops leave too many numbers alive for the registers. */
-#define SKF_UNROLL_1  _Pragma("GCC unroll 1")
-#define SKF_UNROLL_16 _Pragma("GCC unroll 16")
+enum { SKF_FLIGHT = 16 };
+#define SKF_ROLLED _Pragma("GCC unroll 1")
 
 /* Element j's constants in all lanes */
 SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j) {
@@ -89,13 +90,19 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
 
 /* A form that is one function. */
 #define SKF_BATCH_FORM(name, row_name, again)                                                                          \
-  typedef skf_v3d name##_state;                                                                                        \
-  SKF_INLINE name##_state name##_begin(const row_name##_row *row, skf_v3d x) { return row ? x : x; }                   \
-  SKF_INLINE skf_vvalue name##_end(const row_name##_row *row, const name##_state *x) { return name(row, *x); }         \
-  SKF_BATCH_LOOPS(name, row_name, again, 2, SKF_UNROLL_16)
+  SKF_INLINE skf_vvalue name##_value(const row_name##_row *row, skf_v3d x) { return name(row, x); }                    \
+  SKF_BATCH_COMMON(name, row_name, again)                                                                              \
+  SKF_BATCH_PAIRS(name)
 
-/* A form in two functions. `flight` vectors, even, have begun before the first ends. */
-#define SKF_BATCH_STAGED(name, row_name, again, flight) SKF_BATCH_LOOPS(name, row_name, again, flight, SKF_UNROLL_1)
+/* A form in three functions. SKF_FLIGHT vectors are in each before the next. */
+#define SKF_BATCH_STAGED(name, row_name, again)                                                                        \
+  SKF_INLINE skf_vvalue name##_value(const row_name##_row *row, skf_v3d x) {                                           \
+    name##_state s = name##_begin(row, x);                                                                             \
+    name##_middle(row, &s);                                                                                            \
+    return name##_end(row, &s);                                                                                        \
+  }                                                                                                                    \
+  SKF_BATCH_COMMON(name, row_name, again)                                                                              \
+  SKF_BATCH_STAGES(name)
 
 #ifdef SKF_VEC_FLOAT
 #include "field/batch_f32_loop.h"
@@ -127,6 +134,14 @@ SKF_INLINE void vv_store(skf_vd strength, const skf_vvalue *v, double *const out
   vd_store(out[1] + i, strength * v->g.x);
   vd_store(out[2] + i, strength * v->g.y);
   vd_store(out[3] + i, strength * v->g.z);
+}
+
+SKF_INLINE void vd_more(double *to, skf_vd strength, skf_vd v) { vd_store(to, vd_fma(strength, v, vd_load(to))); }
+SKF_INLINE void vv_add(skf_vd strength, const skf_vvalue *v, double *const out[4], size_t i) {
+  vd_more(out[0] + i, strength, v->F);
+  vd_more(out[1] + i, strength, v->g.x);
+  vd_more(out[2] + i, strength, v->g.y);
+  vd_more(out[3] + i, strength, v->g.z);
 }
 
 /* *sum += v, the rounding error kept exactly [Knuth] */
@@ -181,7 +196,7 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
 /* Of a long form there is one copy, that its loops call. */
 #define SKF_OUTLINE static __attribute__((noinline))
 
-#define SKF_BATCH_LOOPS(name, row_name, again, flight, unroll)                                                         \
+#define SKF_BATCH_COMMON(name, row_name, again)                                                                        \
   typedef row_name##_row name##_row;                                                                                   \
   static double *name##_pack(const skf_prepared *e, double *k) { return row_name##_pack(e, k); }                       \
   static __attribute__((noinline, cold)) void name##_redo(const skf_tile *tile, size_t j, const double *const p[3],    \
@@ -194,69 +209,6 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     v->g = vd3_select(v->good, v->g, w.g);                                                                             \
     v->good |= w.good;                                                                                                 \
     lanes_closed(tile->element + j, 0, &x, v);                                                                         \
-  }                                                                                                                    \
-  /* The value of n = 1 or 2 vectors of points from i on */                                                            \
-  SKF_INLINE void name##_pair(const skf_tile *tile, size_t j, const name##_row *row, const name##_state *s,            \
-                              const double *const p[3], size_t i, size_t n, skf_vvalue *v) {                           \
-    for (size_t u = 0; u < n; u++) v[u] = name##_end(row, s + u);                                                      \
-    if (__builtin_expect(vi_all(n > 1 ? v[0].good & v[1].good : v[0].good), 1)) return;                                \
-    for (size_t u = 0; u < n; u++) {                                                                                   \
-      skf_vvalue w = v[u];                                                                                             \
-      if (vi_all(w.good)) continue;                                                                                    \
-      name##_redo(tile, j, p, i + u * SKF_LANES, &w);                                                                  \
-      v[u] = w;                                                                                                        \
-    }                                                                                                                  \
-  }                                                                                                                    \
-  SKF_INLINE void name##_one_step(const skf_tile *tile, const name##_row *row, const double *const p[3], size_t i,     \
-                                  size_t n, double *const out[4]) {                                                    \
-    const skf_vd strength = vd_set(tile->column[0]);                                                                   \
-    name##_state s[flight];                                                                                            \
-    unroll for (size_t u = 0; u < n; u++) s[u] = name##_begin(row, points_load(p, i + u * SKF_LANES));                 \
-    unroll for (size_t u = 0; u < n; u += 2) {                                                                         \
-      skf_vvalue v[2];                                                                                                 \
-      size_t here = n - u < 2 ? 1 : 2, at = i + u * SKF_LANES;                                                         \
-      name##_pair(tile, 0, row, s + u, p, at, here, v);                                                                \
-      for (size_t k = 0; k < here; k++, at += SKF_LANES) vv_store(strength, v + k, out, at);                           \
-    }                                                                                                                  \
-  }                                                                                                                    \
-  static void name##_one(const skf_tile *tile, size_t n, const double *const p[3], double *const out[4]) {             \
-    double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
-    const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
-    size_t i = 0;                                                                                                      \
-    name##_row row;                                                                                                    \
-    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, 0);                               \
-    for (; i + (flight)*SKF_LANES <= n; i += (flight)*SKF_LANES) name##_one_step(tile, &row, in, i, flight, to);       \
-    for (; i < n; i += SKF_LANES) name##_one_step(tile, &row, in, i, 1, to);                                           \
-  }                                                                                                                    \
-  SKF_INLINE void name##_add_step(const skf_tile *tile, const double *const p[3], size_t i, size_t n,                  \
-                                  skf_batch_sum *sum, bool first) {                                                    \
-    const double *const column = tile->column;                                                                         \
-    const size_t count = tile->count;                                                                                  \
-    skf_vvalue all[flight];                                                                                            \
-    unroll for (size_t u = 0; u < n; u++) all[u] = (skf_vvalue){.F = vd_set(0)};                                       \
-    for (size_t j = 0; j < count; j++) {                                                                               \
-      const skf_vd strength = vd_set(column[j]);                                                                       \
-      name##_state s[flight];                                                                                          \
-      name##_row row;                                                                                                  \
-      row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), column + SKF_TILE, j);                                   \
-      unroll for (size_t u = 0; u < n; u++) s[u] = name##_begin(&row, points_load(p, i + u * SKF_LANES));              \
-      unroll for (size_t u = 0; u < n; u += 2) {                                                                       \
-        skf_vvalue v[2];                                                                                               \
-        size_t here = n - u < 2 ? 1 : 2;                                                                               \
-        name##_pair(tile, j, &row, s + u, p, i + u * SKF_LANES, here, v);                                              \
-        for (size_t k = 0; k < here; k++) {                                                                            \
-          all[u + k].F = vd_fma(strength, v[k].F, all[u + k].F);                                                       \
-          all[u + k].g = vd3_mad(all[u + k].g, strength, v[k].g);                                                      \
-        }                                                                                                              \
-      }                                                                                                                \
-    }                                                                                                                  \
-    unroll for (size_t u = 0; u < n; u++) sum_add(sum, i + u * SKF_LANES, all + u, first);                             \
-  }                                                                                                                    \
-  static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
-    const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
-    size_t i = 0;                                                                                                      \
-    for (; i + (flight)*SKF_LANES <= n; i += (flight)*SKF_LANES) name##_add_step(tile, in, i, flight, sum, first);     \
-    for (; i < n; i += SKF_LANES) name##_add_step(tile, in, i, 1, sum, first);                                         \
   }                                                                                                                    \
   static __attribute__((noinline, cold)) void name##_redo_at(const skf_tile *tile, size_t j, const skf_v3d *x,         \
                                                              skf_vvalue *v) {                                          \
@@ -276,8 +228,7 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     for (size_t j = 0; j < tile->count; j += SKF_LANES) {                                                              \
       name##_row row;                                                                                                  \
       row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
-      const name##_state state = name##_begin(&row, x);                                                                \
-      skf_vvalue v = name##_end(&row, &state);                                                                         \
+      skf_vvalue v = name##_value(&row, x);                                                                            \
       if (!vi_all(v.good)) {                                                                                           \
         skf_v3d at = x;                                                                                                \
         skf_vvalue w = v;                                                                                              \
@@ -287,6 +238,105 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
       tile_keep(tile, j, &v, exact, values, sum);                                                                      \
     }                                                                                                                  \
     if (!exact) sum_tile(tile, values, sum);                                                                           \
+  }
+
+/* Two vectors at once */
+#define SKF_BATCH_PAIRS(name)                                                                                          \
+  /* The value of n = 1 or 2 vectors of points from i on */                                                            \
+  SKF_INLINE void name##_pair(const skf_tile *tile, size_t j, const name##_row *row, const double *const p[3],         \
+                              size_t i, size_t n, skf_vvalue *v) {                                                     \
+    for (size_t u = 0; u < n; u++) v[u] = name##_value(row, points_load(p, i + u * SKF_LANES));                        \
+    if (__builtin_expect(vi_all(n > 1 ? v[0].good & v[1].good : v[0].good), 1)) return;                                \
+    for (size_t u = 0; u < n; u++) {                                                                                   \
+      skf_vvalue w = v[u];                                                                                             \
+      if (vi_all(w.good)) continue;                                                                                    \
+      name##_redo(tile, j, p, i + u * SKF_LANES, &w);                                                                  \
+      v[u] = w;                                                                                                        \
+    }                                                                                                                  \
+  }                                                                                                                    \
+  SKF_INLINE void name##_one_step(const skf_tile *tile, const name##_row *row, const double *const p[3], size_t i,     \
+                                  size_t n, double *const out[4]) {                                                    \
+    const skf_vd strength = vd_set(tile->column[0]);                                                                   \
+    skf_vvalue v[2];                                                                                                   \
+    name##_pair(tile, 0, row, p, i, n, v);                                                                             \
+    for (size_t k = 0; k < n; k++) vv_store(strength, v + k, out, i + k * SKF_LANES);                                  \
+  }                                                                                                                    \
+  static void name##_one(const skf_tile *tile, size_t n, const double *const p[3], double *const out[4]) {             \
+    double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
+    const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
+    size_t i = 0;                                                                                                      \
+    name##_row row;                                                                                                    \
+    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, 0);                               \
+    for (; i + 2 * SKF_LANES <= n; i += 2 * SKF_LANES) name##_one_step(tile, &row, in, i, 2, to);                      \
+    for (; i < n; i += SKF_LANES) name##_one_step(tile, &row, in, i, 1, to);                                           \
+  }                                                                                                                    \
+  SKF_INLINE void name##_add_step(const skf_tile *tile, const double *const p[3], size_t i, size_t n,                  \
+                                  skf_batch_sum *sum, bool first) {                                                    \
+    const double *const column = tile->column;                                                                         \
+    const size_t count = tile->count;                                                                                  \
+    skf_vvalue all[2], v[2];                                                                                           \
+    for (size_t u = 0; u < n; u++) all[u] = (skf_vvalue){.F = vd_set(0)};                                              \
+    for (size_t j = 0; j < count; j++) {                                                                               \
+      const skf_vd strength = vd_set(column[j]);                                                                       \
+      name##_row row;                                                                                                  \
+      row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), column + SKF_TILE, j);                                   \
+      name##_pair(tile, j, &row, p, i, n, v);                                                                          \
+      for (size_t k = 0; k < n; k++) {                                                                                 \
+        all[k].F = vd_fma(strength, v[k].F, all[k].F);                                                                 \
+        all[k].g = vd3_mad(all[k].g, strength, v[k].g);                                                                \
+      }                                                                                                                \
+    }                                                                                                                  \
+    for (size_t u = 0; u < n; u++) sum_add(sum, i + u * SKF_LANES, all + u, first);                                    \
+  }                                                                                                                    \
+  static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
+    const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
+    size_t i = 0;                                                                                                      \
+    for (; i + 2 * SKF_LANES <= n; i += 2 * SKF_LANES) name##_add_step(tile, in, i, 2, sum, first);                    \
+    for (; i < n; i += SKF_LANES) name##_add_step(tile, in, i, 1, sum, first);                                         \
+  }
+
+/* Stage after stage, for many vectors each: their chains of operations are short enough to overlap, and what is between
+   waits in memory, so that few registers are needed. */
+#define SKF_BATCH_STAGES(name)                                                                                         \
+  /* element j at all points; out is set, or added to */                                                               \
+  static __attribute__((noinline)) void name##_stages(const skf_tile *tile, size_t j, size_t n,                        \
+                                                      const double *const p[3], double *const out[4], bool more) {     \
+    double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
+    const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
+    const skf_vd strength = vd_set(tile->column[j]);                                                                   \
+    name##_row row;                                                                                                    \
+    name##_state s[SKF_FLIGHT];                                                                                        \
+    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+    for (size_t i = 0, m; i < n; i += m * SKF_LANES) {                                                                 \
+      m = n - i < SKF_FLIGHT * SKF_LANES ? (n - i) / SKF_LANES : SKF_FLIGHT;                                           \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) s[u] = name##_begin(&row, points_load(in, i + u * SKF_LANES));         \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) name##_middle(&row, s + u);                                            \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) {                                                                      \
+        const size_t at = i + u * SKF_LANES;                                                                           \
+        skf_vvalue v = name##_end(&row, s + u);                                                                        \
+        if (__builtin_expect(!vi_all(v.good), 0)) {                                                                    \
+          skf_vvalue w = v;                                                                                            \
+          name##_redo(tile, j, in, at, &w);                                                                            \
+          v = w;                                                                                                       \
+        }                                                                                                              \
+        if (more)                                                                                                      \
+          vv_add(strength, &v, to, at);                                                                                \
+        else                                                                                                           \
+          vv_store(strength, &v, to, at);                                                                              \
+      }                                                                                                                \
+    }                                                                                                                  \
+  }                                                                                                                    \
+  static void name##_one(const skf_tile *tile, size_t n, const double *const p[3], double *const out[4]) {             \
+    name##_stages(tile, 0, n, p, out, false);                                                                          \
+  }                                                                                                                    \
+  static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
+    double all[4][SKF_BATCH], *const out[4] = {all[0], all[1], all[2], all[3]};                                        \
+    for (int k = 0; k < 4; k++) memset(all[k], 0, n * sizeof(double));                                                 \
+    for (size_t j = 0; j < tile->count; j++) name##_stages(tile, j, n, p, out, true);                                  \
+    for (size_t i = 0; i < n; i += SKF_LANES) {                                                                        \
+      const skf_vvalue v = {vd_load(all[0] + i), {vd_load(all[1] + i), vd_load(all[2] + i), vd_load(all[3] + i)}};     \
+      sum_add(sum, i, &v, first);                                                                                      \
+    }                                                                                                                  \
   }
 
 static inline void batch_total(size_t n, const skf_batch_sum *sum, int k, double *out) {

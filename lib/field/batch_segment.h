@@ -52,20 +52,27 @@ SKF_INLINE skf_v3d segment_gradient(const segment_row *c, const segment_view *f,
    Seen from x the ends are less than 160 degrees apart, else D loses too much. */
 typedef struct inverse_segment_state {
   skf_v3d d0, d1;
-  skf_vd r0, r1, rr, near, far;
+  skf_vd r0, r1, near, far; /* then w r1, w r0, t and count of the logarithm */
+  skf_vi good;
 } inverse_segment_state;
 
 SKF_INLINE inverse_segment_state inverse_segment_begin(const segment_row *c, skf_v3d x) {
   skf_v3d d0 = vd3_sub(x, c->from), d1 = vd3_sub(x, c->to);
-  skf_vd r0 = vd_sqrt(vd3_dot(d0, d0)), r1 = vd_sqrt(vd3_dot(d1, d1)), rr = r0 * r1;
-  return (inverse_segment_state){d0, d1, r0, r1, rr, rr + vd3_dot(d0, d1), (r0 + r1) + c->L};
+  skf_vd r0 = vd_sqrt(vd3_dot(d0, d0)), r1 = vd_sqrt(vd3_dot(d1, d1)), rr = r0 * r1, near = rr + vd3_dot(d0, d1);
+  skf_vi good = (vd_set(SKF_PICK(16, 64)) * near > rr) & vd_sane(rr);
+  return (inverse_segment_state){d0, d1, r0, r1, near, (r0 + r1) + c->L, good};
+}
+
+SKF_INLINE void inverse_segment_middle(const segment_row *c, inverse_segment_state *s) {
+  skf_vd r0 = s->r0, r1 = s->r1, w = -c->L / (s->near * (r0 * r1));
+  skf_vlog l = vd_log_parts(s->far * (vd_set(0.5) * s->far), s->near, c->L * s->far);
+  s->near = l.top / l.bottom, s->far = l.count;
+  s->r0 = w * r1, s->r1 = w * r0;
 }
 
 SKF_INLINE skf_vvalue inverse_segment_end(const segment_row *c, const inverse_segment_state *s) {
-  skf_vd half = vd_set(0.5) * s->far, F = vd_log_ratio(s->far * half, s->near, c->L * s->far);
-  skf_vd w = -c->L / (s->near * s->rr), w0 = w * s->r1, w1 = w * s->r0;
-  return (skf_vvalue){F, vd3_mad(vd3_scale(w0, s->d0), w1, s->d1),
-                      (vd_set(SKF_PICK(16, 64)) * s->near > s->rr) & vd_sane(s->rr)};
+  (void)c;
+  return (skf_vvalue){vd_log_series(s->far, s->near), vd3_mad(vd3_scale(s->r0, s->d0), s->r1, s->d1), s->good};
 }
 
 /* D = 2 n^2 / (r0 r1 - d0 d1) where the sum cancels; int g dt = -2 L S / (D r0 r1). */
@@ -89,7 +96,8 @@ SKF_INLINE skf_vvalue inverse_segment_close(const segment_row *c, skf_v3d x) {
    not known well enough, the other form decides. */
 typedef struct cauchy_segment_state {
   skf_v3d w;
-  skf_vd t0, t1, P, P2, W_sum, WW, inv;
+  skf_vd t0, t1, P, P2, W_sum, WW;
+  skf_vd inv, offset, t; /* set in the middle */
   skf_vi good;
 } cauchy_segment_state;
 
@@ -100,12 +108,18 @@ SKF_INLINE cauchy_segment_state cauchy_segment_begin(const segment_row *c, skf_v
   skf_vd h2 = vd3_dot(w, w), P2 = vd_fma(c->param2, h2, vd_set(1));
   skf_vi good = vd_fma(vd_set(SKF_PICK(256, 1e8)), h2, c->axis2) > t * t;
   skf_vd W0 = vd_fma(c->param2 * t0, t0, P2), W1 = vd_fma(c->param2 * t1, t1, P2), WW = W0 * W1;
-  return (cauchy_segment_state){w, t0, t1, vd_sqrt(P2), P2, W0 + W1, WW, vd_set(1) / (WW * P2), good};
+  return (cauchy_segment_state){w, t0, t1, vd_sqrt(P2), P2, W0 + W1, WW, t, t, t, good};
+}
+
+SKF_INLINE void cauchy_segment_middle(const segment_row *c, cauchy_segment_state *s) {
+  skf_vangle a = vd_angle_parts(c->param * c->L * s->P, vd_fma(c->param2 * s->t0, s->t1, s->P2));
+  s->inv = vd_set(1) / (s->WW * s->P2);
+  s->offset = a.offset, s->t = a.top / a.bottom;
 }
 
 SKF_INLINE skf_vvalue cauchy_segment_end(const segment_row *c, const cauchy_segment_state *s) {
   skf_vd P2 = s->P2, tt = c->param2 * s->t0 * s->t1, sum = s->t0 + s->t1, per_WW = s->inv * P2, per_P2 = s->inv * s->WW;
-  skf_vd delta = vd_angle(c->param * c->L * s->P, P2 + tt), first = delta * (c->per_param * s->P * per_P2);
+  skf_vd delta = vd_angle_series(s->offset, s->t), first = delta * (c->per_param * s->P * per_P2);
   skf_vd L_WW = c->L * per_WW, ends1 = (P2 - tt) * L_WW, F = vd_set(0.5) * per_P2 * (first + ends1);
   skf_vd wide = vd_fma(c->param2 * sum, sum, (P2 + P2) - tt), ends2 = vd_fms(P2, P2, tt * wide) * (L_WW * per_WW);
   skf_vd g = -c->param2 * per_P2 * vd_fma(vd_set(3), F, ends2), ends = c->param2 * sum * s->W_sum * (L_WW * per_WW);
@@ -129,7 +143,7 @@ SKF_INLINE skf_vvalue cauchy_segment_beyond(const segment_row *c, skf_v3d x) {
   return (skf_vvalue){F, segment_gradient(c, &f, g, ends), a.good & vd_sane(P * P2)};
 }
 
-SKF_BATCH_STAGED(inverse_segment, segment, inverse_segment_close, 8)
-SKF_BATCH_STAGED(cauchy_segment, segment, cauchy_segment_beyond, 8)
+SKF_BATCH_STAGED(inverse_segment, segment, inverse_segment_close)
+SKF_BATCH_STAGED(cauchy_segment, segment, cauchy_segment_beyond)
 
 #endif

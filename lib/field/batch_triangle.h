@@ -77,7 +77,7 @@ SKF_INLINE skf_vvalue near_triangle(const triangle_row *T, const skf_v3d a[3], c
 /* The same without the care: not near an edge, and not where the edges' sums lose more than 64, which the distances
    tell: far away, or anywhere for slivers. */
 typedef struct inverse_triangle_state {
-  skf_vd near[3], far[3], d[3], z, num, den;
+  skf_vd near[3], far[3], d[3], z, num, den; /* then count and t of the logarithms, offset and t of the angle */
   skf_vi good;
 } inverse_triangle_state;
 
@@ -101,10 +101,20 @@ SKF_INLINE inverse_triangle_state inverse_triangle_begin(const triangle_row *T, 
   return s;
 }
 
+SKF_INLINE void inverse_triangle_middle(const triangle_row *T, inverse_triangle_state *s) {
+  skf_vd half = vd_set(0.5);
+  for (int i = 0; i < 3; i++) {
+    skf_vlog l = vd_log_parts(half * s->far[i] * s->far[i], s->near[i], T->L[i] * s->far[i]);
+    s->near[i] = l.count, s->far[i] = l.top / l.bottom;
+  }
+  skf_vangle a = vd_angle_parts(vd_abs(s->num), s->den);
+  s->num = a.offset, s->den = a.top / a.bottom;
+}
+
 SKF_INLINE skf_vvalue inverse_triangle_end(const triangle_row *T, const inverse_triangle_state *s) {
-  skf_vd J[3], half = vd_set(0.5);
-  for (int i = 0; i < 3; i++) J[i] = vd_log_ratio(half * s->far[i] * s->far[i], s->near[i], T->L[i] * s->far[i]);
-  skf_vd solid = vd_atan2(s->num, s->den), Z = solid + solid;
+  skf_vd J[3];
+  for (int i = 0; i < 3; i++) J[i] = vd_log_series(s->near[i], s->far[i]);
+  skf_vd solid = (skf_vd)((skf_vi)vd_angle_series(s->num, s->den) ^ vd_sign(s->z)), Z = solid + solid;
   skf_vd F = vd_fma(s->d[0], J[0], vd_fma(s->d[1], J[1], vd_fms(s->d[2], J[2], s->z * Z)));
   skf_v3d g = vd3_mad(vd3_mad(vd3_mad(vd3_scale(Z, T->n), J[0], T->m[0]), J[1], T->m[1]), J[2], T->m[2]);
   return (skf_vvalue){F, vd3_scale(vd_set(-1), g), s->good};
@@ -124,6 +134,6 @@ SKF_INLINE skf_vvalue inverse_triangle_any(const triangle_row *T, skf_v3d x) {
   return (skf_vvalue){vd_select(far, v.F, u.F), vd3_select(far, v.g, u.g), (far & v.good) | (~far & u.good)};
 }
 
-SKF_BATCH_STAGED(inverse_triangle, triangle, inverse_triangle_any, 4)
+SKF_BATCH_STAGED(inverse_triangle, triangle, inverse_triangle_any)
 
 #endif

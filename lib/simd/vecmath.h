@@ -32,9 +32,24 @@ SKF_INLINE skf_vd vd_estrin(const double *c, int n, skf_vd x) {
 }
 
 /* log(n / d) for normal n >= d > 0, where dif = n - d is known better than n and d. The difference of the bit patterns,
-   rounded to whole exponents from 9/16 on, gives k with n' / d = n / (2^k d) in [0.69, 1.5625]: t = (n' - d) / (n' +
-   d), t^2 < 0.0482, and k log 2 is at least twice what log(n' / d) takes off it. */
-SKF_INLINE skf_vd vd_log_ratio(skf_vd n, skf_vd d, skf_vd dif) {
+   rounded to whole exponents from 9/16 on, gives k with n' / d = n / (2^k d) in [0.69, 1.5625]: t = top / bottom =
+   (n' - d) / (n' + d), t^2 < 0.0482, and k log 2 is at least twice what log(n' / d) takes off it. */
+typedef struct skf_vlog {
+  skf_vd count, top, bottom;
+} skf_vlog;
+
+SKF_INLINE skf_vlog vd_log_parts(skf_vd n, skf_vd d, skf_vd dif) {
+  skf_vi k = (skf_vi)((skf_vu)((skf_vi)n - (skf_vi)d + vi_set(7ll << (SKF_MANTISSA - 4))) >> SKF_MANTISSA);
+#ifdef SKF_VEC_FLOAT
+  skf_vd count = __builtin_convertvector(k, skf_vd);
+#else
+  skf_vd count = (skf_vd)(k | vi_set(0x4330000000000000)) - vd_set(0x1p52);
+#endif
+  skf_vd near = (skf_vd)((skf_vi)n - (k << SKF_MANTISSA));
+  return (skf_vlog){count, vd_select(k == vi_set(0), dif, near - d), near + d};
+}
+
+SKF_INLINE skf_vd vd_log_series(skf_vd count, skf_vd t) {
   /* (atanh(t) / t - 1) / t^2 */
 #ifdef SKF_VEC_FLOAT /* 2e-8 */
   static const double c[] = {0.3333337460048824336, 0.19984619800160800125, 0.15126056868505431137};
@@ -43,21 +58,34 @@ SKF_INLINE skf_vd vd_log_ratio(skf_vd n, skf_vd d, skf_vd dif) {
                              0.1111111217730151712,   0.090908226632058733025, 0.076960982004333991369,
                              0.065752223845082355045, 0.070110979035245868007};
 #endif
-  skf_vi k = (skf_vi)((skf_vu)((skf_vi)n - (skf_vi)d + vi_set(7ll << (SKF_MANTISSA - 4))) >> SKF_MANTISSA);
-#ifdef SKF_VEC_FLOAT
-  skf_vd count = __builtin_convertvector(k, skf_vd);
-#else
-  skf_vd count = (skf_vd)(k | vi_set(0x4330000000000000)) - vd_set(0x1p52);
-#endif
-  skf_vd near = (skf_vd)((skf_vi)n - (k << SKF_MANTISSA)), top = vd_select(k == vi_set(0), dif, near - d);
-  skf_vd t = top / (near + d), tt = t * t, twice = t + t;
+  skf_vd tt = t * t, twice = t + t;
   skf_vd series = vd_fma(twice * tt, vd_estrin(c, sizeof c / sizeof *c, tt), twice);
   return vd_fma(count, vd_set(SKF_PICK(0x1.62e42fefa39efp-1, 0x1.62e43p-1)),
                 vd_fma(count, vd_set(SKF_PICK(0x1.abc9e3b39803fp-56, -0x1.05c61p-29)), series));
 }
 
-/* atan2(y, x) for y >= 0, y and x not both 0: reduced to |t| <= tan(pi / 8). */
-SKF_INLINE skf_vd vd_angle(skf_vd y, skf_vd x) {
+SKF_INLINE skf_vd vd_log_ratio(skf_vd n, skf_vd d, skf_vd dif) {
+  skf_vlog l = vd_log_parts(n, d, dif);
+  return vd_log_series(l.count, l.top / l.bottom);
+}
+
+/* atan2(y, x) for y >= 0, y and x not both 0, is offset + atan t, |t| = |top / bottom| <= tan(pi / 8). */
+typedef struct skf_vangle {
+  skf_vd offset, top, bottom;
+} skf_vangle;
+
+SKF_INLINE skf_vangle vd_angle_parts(skf_vd y, skf_vd x) {
+  skf_vd ax = vd_abs(x), low = vd_min(y, ax), high = vd_max(y, ax);
+  skf_vi negative = x<vd_set(0), steep = y> ax;
+  skf_vi wide = low > vd_set(0.41421356237309505) * high;
+  skf_vd top = vd_select(wide, low - high, low), bottom = vd_select(wide, low + high, high);
+  skf_vd offset = (skf_vd)((skf_vi)vd_set(0.78539816339744831) & wide);
+  offset = vd_select(steep, vd_set(1.5707963267948966) - offset, offset);
+  offset = vd_select(negative, vd_set(3.1415926535897932) - offset, offset);
+  return (skf_vangle){offset, (skf_vd)((skf_vi)top ^ (vi_sign_bit() & (steep ^ negative))), bottom};
+}
+
+SKF_INLINE skf_vd vd_angle_series(skf_vd offset, skf_vd t) {
   /* (atan(t) / t - 1) / t^2 in t^2 */
 #ifdef SKF_VEC_FLOAT /* 3e-9 */
   static const double c[] = {-0.33333331760434555943, 0.19999540314957969397, -0.14263949753605724022,
@@ -68,14 +96,13 @@ SKF_INLINE skf_vd vd_angle(skf_vd y, skf_vd x) {
                              -0.066645105255089365988, 0.058581409048663282818,  -0.050854078345894842573,
                              0.039230447784793095235,  -0.019175404711104933678};
 #endif
-  skf_vd ax = vd_abs(x), low = vd_min(y, ax), high = vd_max(y, ax);
-  skf_vi negative = x<vd_set(0), steep = y> ax;
-  skf_vi wide = low > vd_set(0.41421356237309505) * high;
-  skf_vd t = vd_select(wide, low - high, low) / vd_select(wide, low + high, high), tt = t * t;
-  skf_vd a = vd_fma(t * tt, vd_estrin(c, sizeof c / sizeof *c, tt), t);
-  a += (skf_vd)((skf_vi)vd_set(0.78539816339744831) & wide);
-  a = vd_select(steep, vd_set(1.5707963267948966) - a, a);
-  return vd_select(negative, vd_set(3.1415926535897932) - a, a);
+  skf_vd tt = t * t;
+  return offset + vd_fma(t * tt, vd_estrin(c, sizeof c / sizeof *c, tt), t);
+}
+
+SKF_INLINE skf_vd vd_angle(skf_vd y, skf_vd x) {
+  skf_vangle a = vd_angle_parts(y, x);
+  return vd_angle_series(a.offset, a.top / a.bottom);
 }
 
 /* atan2(y, x) for y, x not both 0. */
