@@ -26,7 +26,21 @@ static void fill(const skf_batch_form *form, const skf_prepared *e, double *colu
     for (size_t i = j; i < SKF_TILE; i++) column[k * SKF_TILE + i] = k || i == j ? row[k] : 0;
 }
 
-/* Stable: within a form the elements keep their order. */
+/* The reach of each tile and of each group. */
+static skf_status reach_out(skf_batch *b) {
+  size_t groups = (b->tiles + SKF_GROUP - 1) / SKF_GROUP;
+  if (!(b->group = skf_alloc(groups, sizeof *b->group))) return SKF_ERR_NOMEM;
+  for (size_t i = 0; i < groups; i++) b->group[i] = box_empty();
+  for (size_t i = 0; i < b->tiles; i++) {
+    skf_tile *t = b->tile + i;
+    t->reach = box_empty();
+    for (size_t j = 0; j < t->count; j++) t->reach = box_join(t->reach, skf_sparse_reach(t->element[j]));
+    b->group[i / SKF_GROUP] = box_join(b->group[i / SKF_GROUP], t->reach);
+  }
+  return SKF_OK;
+}
+
+/* Within a form the elements keep their order unless their supports are finite. */
 skf_status skf_batch_new(const skf_batch_ops *ops, const skf_prepared *elements, size_t count, skf_batch *out) {
   size_t of[SKF_FORM_COUNT + 1] = {0}, tiles = 0, columns = 0;
   for (size_t i = 0; i < count; i++) of[skf_batch_form_of(ops, elements + i)]++;
@@ -46,21 +60,43 @@ skf_status skf_batch_new(const skf_batch_ops *ops, const skf_prepared *elements,
     for (size_t n = (of[f] + SKF_TILE - 1) / SKF_TILE; n > 0; n--, column += size)
       *next++ = (skf_tile){.form = (skf_form)f, .column = size ? column : NULL};
   }
+  bool sparse;
+  skf_sparse_key *order = skf_sparse_order(elements, count, ops != &skf_batch_scalar,
+                                           &sparse); /* the closed forms keep the bits of single points */
+  if (!order) return skf_batch_free(out), SKF_ERR_NOMEM;
   out->tiles = tiles;
   out->elements = count;
   for (size_t i = 0; i < count; i++) {
-    skf_form f = skf_batch_form_of(ops, elements + i);
+    const skf_prepared *e = elements + order[i].index;
+    skf_form f = skf_batch_form_of(ops, e);
     skf_tile *t = open[f];
-    t->element[t->count] = elements + i;
-    if (t->column) fill(ops->form + f, elements + i, t->column, t->count);
+    t->element[t->count] = e;
+    if (t->column) fill(ops->form + f, e, t->column, t->count);
     if (++t->count == SKF_TILE) open[f]++;
   }
-  return SKF_OK;
+  skf_free(order);
+  skf_status s = sparse ? reach_out(out) : SKF_OK;
+  if (s) skf_batch_free(out);
+  return s;
+}
+
+/* The first tile from the i-th on whose elements may not be 0 all over a box. */
+static size_t next_tile(const skf_batch *b, size_t i, const skf_box *box) {
+  while (b->group && i < b->tiles) {
+    if (i % SKF_GROUP == 0 && skf_sparse_apart(b->group + i / SKF_GROUP, box))
+      i += SKF_GROUP;
+    else if (skf_sparse_apart(&b->tile[i].reach, box))
+      i++;
+    else
+      break;
+  }
+  return i < b->tiles ? i : b->tiles;
 }
 
 void skf_batch_free(skf_batch *b) {
   skf_free(b->tile);
   skf_free(b->columns);
+  skf_free(b->group);
   *b = (skf_batch){.tiles = 0};
 }
 
@@ -124,11 +160,13 @@ static void pad(const job *j, size_t from, size_t n, double room[3][SKF_BATCH_PA
 }
 
 void skf_batch_add(const skf_batch *b, size_t n, size_t all, const double *const p[3], skf_batch_sum *sum, bool first) {
-  if (first && (b->tiles == 0 || !b->tile->column)) memset(sum, 0, sizeof *sum);
-  for (size_t i = 0; i < b->tiles; i++) {
+  skf_box box = b->group ? skf_sparse_around(n, p) : (skf_box){{0, 0, 0}, {0, 0, 0}};
+  size_t i = next_tile(b, 0, &box);
+  if (first && (i == b->tiles || !b->tile[i].column)) memset(sum, 0, sizeof *sum), first = false;
+  for (; i < b->tiles; i = next_tile(b, i + 1, &box), first = false) {
     const skf_tile *t = b->tile + i;
     if (t->column)
-      b->ops->form[t->form].add(t, all, p, sum, first && i == 0);
+      b->ops->form[t->form].add(t, all, p, sum, first);
     else
       add_closed(t, n, p, sum);
   }
@@ -182,8 +220,9 @@ static void one_range(const job *j, size_t from, size_t n) {
 
 void skf_batch_at(const skf_batch *b, skf_vec3 p, bool exact, double out[4]) {
   skf_point_sum sum;
+  skf_box box = {p, p};
   memset(&sum, 0, sizeof sum);
-  for (size_t i = 0; i < b->tiles; i++) {
+  for (size_t i = next_tile(b, 0, &box); i < b->tiles; i = next_tile(b, i + 1, &box)) {
     const skf_tile *t = b->tile + i;
     if (exact ? skf_batch_full(t) : t->column != NULL) {
       b->ops->form[t->form].at(t, p, exact, &sum);
@@ -213,7 +252,7 @@ static void few(const job *j, size_t n) {
   }
 }
 
-void skf_batch_eval(const skf_batch *b, size_t n, const double *const p[3], double *F, double *const g[3]) {
+static void eval(const skf_batch *b, size_t n, const double *const p[3], double *F, double *const g[3]) {
   job j = {b, p, {F, g ? g[0] : NULL, g ? g[1] : NULL, g ? g[2] : NULL}};
   void (*range)(const job *, size_t, size_t) = b->elements == 1 && b->tile->column ? one_range : sum_range;
   if (range == sum_range && n * b->tiles * SKF_TILE <= SKF_BATCH_PAD * b->elements) {
@@ -230,4 +269,31 @@ void skf_batch_eval(const skf_batch *b, size_t n, const double *const p[3], doub
   size_t step = share < unit ? unit : share / unit * unit;
 #pragma omp parallel for schedule(dynamic)
   for (size_t from = 0; from < n; from += step) range(&j, from, n - from < step ? n - from : step);
+}
+
+/* Neighbours come side by side, so that a block of points reaches few tiles. */
+static bool eval_sorted(const skf_batch *b, size_t n, const double *const p[3], double *F, double *const g[3]) {
+  skf_sparse_key *keys = skf_alloc(n, sizeof *keys);
+  double *room = skf_alloc(n, 7 * sizeof *room), *out[4] = {F, g ? g[0] : NULL, g ? g[1] : NULL, g ? g[2] : NULL};
+  if (keys && room) {
+    const double *const in[3] = {room, room + n, room + 2 * n};
+    double *const to[4] = {room + 3 * n, room + 4 * n, room + 5 * n, room + 6 * n};
+    skf_box box = skf_sparse_around(n, p);
+    for (size_t i = 0; i < n; i++) keys[i] = (skf_sparse_key){skf_sparse_code(v3(p[0][i], p[1][i], p[2][i]), &box), i};
+    skf_sparse_sort(keys, n);
+    for (int k = 0; k < 3; k++)
+      for (size_t i = 0; i < n; i++) room[k * n + i] = p[k][keys[i].index];
+    eval(b, n, in, to[0], to + 1);
+    for (int k = 0; k < 4; k++)
+      for (size_t i = 0; i < n && out[k]; i++) out[k][keys[i].index] = to[k][i];
+  }
+  bool done = keys && room;
+  skf_free(keys), skf_free(room);
+  return done;
+}
+
+void skf_batch_eval(const skf_batch *b, size_t n, const double *const p[3], double *F, double *const g[3]) {
+  /* where memory is out the order stays: it changes no result */
+  if (b->group && n >= 2 * SKF_BATCH && eval_sorted(b, n, p, F, g)) return;
+  eval(b, n, p, F, g);
 }

@@ -5,6 +5,7 @@
 #define SKF_FIELD_BATCH_H
 
 #include "field/batch_forms.h"
+#include "field/sparse.h"
 #include "simd/isa.h"
 
 /* Points in a block; points are padded to SKF_BATCH_PAD, a multiple of every instruction set's lanes, as is SKF_TILE,
@@ -18,6 +19,7 @@ typedef struct skf_tile {
   size_t count;
   double *column;
   const skf_prepared *element[SKF_TILE];
+  skf_box reach; /* outside of it all elements are 0; set in a sparse batch */
 } skf_tile;
 
 /* Sums over elements with their rounding errors kept apart: F and the gradient. */
@@ -56,12 +58,16 @@ const skf_batch_ops *skf_batch_get(skf_isa isa);
 /* The form of an element, SKF_FORM_COUNT when there is none. */
 skf_form skf_batch_form_of(const skf_batch_ops *ops, const skf_prepared *e);
 
+/* Tiles in a group */
+enum { SKF_GROUP = 16 };
+
 /* Elements in tiles, form after form; the elements must live as long. */
 typedef struct skf_batch {
   const skf_batch_ops *ops;
   skf_tile *tile;
   size_t tiles, elements;
   double *columns;
+  skf_box *group; /* the reach of each group; NULL unless tiles may be passed over */
 } skf_batch;
 
 skf_status skf_batch_new(const skf_batch_ops *ops, const skf_prepared *elements, size_t count, skf_batch *out);

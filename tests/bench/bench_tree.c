@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Large skeletons: 10^5 and 10^6 random Newtonian segments in a unit box, 0.02 long, at 10^6 random points in it. Times
    of the library's direct sum (of fewer points) and of the expansions, what those cost to make, and the worst
-   difference. CPU time on one thread; it only reports. */
+   difference; and elements of finite support. CPU time on one thread; it only reports. */
 #include "core/vec3.h"
 #include "skelfield/field.h"
 #include <omp.h>
@@ -62,12 +62,34 @@ static double row(const skf_element *e, size_t n, double accuracy, double direct
   return us;
 }
 
+/* Elements of finite support, twenty of which reach a point: each point and segment costs what it has near it. */
+static void compact(const char *name, bool segment, size_t n) {
+  skf_element *e = segments(n);
+  skf_field *f;
+  double R = cbrt(20 / (double)n * 3 / (4 * 3.14159265358979)), t = now();
+  for (size_t i = 0; e && i < n; i++) {
+    e[i].kernel = (skf_kernel){.type = SKF_QUARTIC, .param = R};
+    skf_vec3 a = e[i].primitive.segment.from, d = v3_sub(e[i].primitive.segment.to, a);
+    if (segment)
+      e[i].primitive.segment.to = v3_mad(a, 50 * R, d); /* as long as R */
+    else
+      e[i].primitive = (skf_primitive){.shape = SKF_POINT, .point = {a}};
+  }
+  if (!e || skf_field_new(e, n, &f)) exit(1);
+  t = now() - t;
+  printf("%8zu quartic %s: made in %.2f s, %.2f us/point\n", n, name, t,
+         eval(f, POINTS, F, (double *const[3]){g[0], g[1], g[2]}));
+  skf_field_free(f);
+  free(e);
+}
+
 int main(void) {
   static const size_t sizes[] = {100000, 1000000};
   double us[2];
   omp_set_num_threads(1);
   for (int k = 0; k < 3; k++)
     for (size_t i = 0; i < POINTS; i++) p[k][i] = uniform();
+  for (size_t n = 10000; n <= 1000000; n *= 10) compact("points", false, n), compact("segments", true, n);
   puts("segments  accuracy  made, s  us/point    direct    ratio  with making  F off   gradient off");
   for (int s = 0; s < 2; s++) {
     skf_element *e = segments(sizes[s]);
