@@ -83,9 +83,10 @@ SKF_INLINE skf_vvalue cauchy_gather(const arc_row *c, const arc_view *f, const c
   return arc_finish(c, f, F, cc, ss, ends, good & p->good);
 }
 
-/* Away from the axis, from the circle and from the ends of a long thin body no half angles are needed: with a = (Pp +
-   Pm) / 2, b = (Pp - Pm) / 2 and the azimuth mu of x from the middle of the arc,
-     N cos delta = a C - b cos mu, N cos sigma = a cos mu - b C, N sin delta = D S, W0 + W1 = 2 (a - b C cos mu). */
+/* Away from the axis, from the circle of a thin body (rounding k shifts 1 + s^2 alpha by s k of an ulp) and from the
+   ends of a long thin one no half angles are needed: with a = (Pp + Pm) / 2, b = (Pp - Pm) / 2 and the azimuth mu of x
+   from the middle of the arc, N cos delta = a C - b cos mu, N cos sigma = a cos mu - b C, N sin delta = D S, W0 + W1 =
+   2 (a - b C cos mu). */
 typedef struct cauchy_arc_state {
   skf_vd u, v, z, k, inner, outer, Pm, Pp, D, a, b, m, cross, dot, N2, inv, offset, t;
   skf_vi good;
@@ -98,7 +99,8 @@ SKF_INLINE cauchy_arc_state cauchy_arc_begin(const arc_row *c, skf_v3d x) {
   skf_vd one = vd_set(1), Pm = vd_fma(c->param2, alpha, one), Pp = vd_fma(c->param2, beta, one), D = vd_sqrt(Pm * Pp);
   skf_vd b2 = (c->rho + c->rho) * c->param2, m = vd_fma(c->C, u, c->S * v), b = b2 * k, a = Pm + b;
   skf_vd dot = vd_fnma(b2, m, a * c->C), cross = D * c->S, N2 = vd_fma(dot, dot, cross * cross);
-  skf_vi good = (vd_set(1024) * alpha > outer * outer) & (vd_set(1024) * N2 > a * a);
+  skf_vd outer2 = outer * outer;
+  skf_vi good = ((vd_set(1024) * alpha > outer2) | (c->param2 * outer2 < vd_set(64))) & (vd_set(1024) * N2 > a * a);
   return (cauchy_arc_state){u, v, z, k, inner, outer, Pm, Pp, D, a, b, m, cross, dot, N2, D, D, D, good};
 }
 

@@ -49,7 +49,7 @@ SKF_INLINE skf_v3d segment_gradient(const segment_row *c, const segment_view *f,
 }
 
 /* With S = r0 + r1: F = log((S + L)^2 / D), D = S^2 - L^2 = 2 (r0 r1 + d0 d1), grad F = -2 L / D (d0 / r0 + d1 / r1).
-   Seen from x the ends are less than 160 degrees apart, else D loses too much. */
+   Seen from x the ends are less than 165 degrees apart, else D loses too much. */
 typedef struct inverse_segment_state {
   skf_v3d d0, d1;
   skf_vd r0, r1, near, far; /* then w r1, w r0, t and count of the logarithm */
@@ -59,7 +59,7 @@ typedef struct inverse_segment_state {
 SKF_INLINE inverse_segment_state inverse_segment_begin(const segment_row *c, skf_v3d x) {
   skf_v3d d0 = vd3_sub(x, c->from), d1 = vd3_sub(x, c->to);
   skf_vd r0 = vd_sqrt(vd3_dot(d0, d0)), r1 = vd_sqrt(vd3_dot(d1, d1)), rr = r0 * r1, near = rr + vd3_dot(d0, d1);
-  skf_vi good = (vd_set(SKF_PICK(16, 64)) * near > rr) & vd_sane(rr);
+  skf_vi good = (vd_set(SKF_PICK(32, 64)) * near > rr) & vd_sane(rr);
   return (inverse_segment_state){d0, d1, r0, r1, near, (r0 + r1) + c->L, good};
 }
 

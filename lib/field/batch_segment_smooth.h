@@ -82,22 +82,39 @@ SKF_INLINE skf_vvalue gaussian_segment(const gaussian_span_row *c, skf_v3d x) {
 /* inverse_squared.c's segment. With N = r0 r1 and delta the angle of view: F = delta / h, and -int g dt =
    (delta - sin delta) / h^3 + 2 c L / (N h^2) where c, cos^2 of the mean direction, has the factor h^2 beyond the ends.
  */
-SKF_INLINE skf_vvalue inverse_squared_segment(const segment_row *c, skf_v3d x) {
+typedef struct inverse_squared_segment_state {
+  segment_view f;
+  skf_vd N, h, sum, cosine;          /* cosine: then bottom */
+  skf_vd offset, t, top, inv, per_h; /* set in the middle */
+  skf_vi good;
+} inverse_squared_segment_state;
+
+SKF_INLINE inverse_squared_segment_state inverse_squared_segment_begin(const segment_row *c, skf_v3d x) {
   segment_view f = segment_see(c, x);
-  skf_vd L = c->L, one = vd_set(1), NN = f.n0 * f.n1, N = vd_sqrt(NN), h2 = f.n2 * c->per_L2, h = vd_sqrt(h2);
-  skf_vd t0 = -vd3_dot(f.d0, c->a), t1 = -vd3_dot(f.d1, c->a), sum = t0 + t1, tt = t0 * t1;
-  skf_vd dot = vd3_dot(f.d0, f.d1), cross = h * L, delta = vd_atan2(cross, dot), cosine = h2 - tt,
-         A = N + vd_abs(cosine);
-  skf_vi front = cosine >= vd_set(0);
-  skf_vd bottom = vd_select(front, h2, A), top = vd_select(front, A, sum * sum), inv = one / (NN * bottom);
-  skf_vd ends = L * sum * bottom * inv, per_NN = bottom * inv;
-  skf_vd per_h = one / h, gap = span_gap3(delta, cross * N * per_NN), F = delta * per_h;
-  skf_vd g = vd_fma(gap * per_h, per_h * per_h, L * top * inv);
-  skf_vi good = vd_sane(NN) & vd_sane(f.n2) & vd_sane(NN * bottom);
-  return (skf_vvalue){F, segment_gradient(c, &f, -g, ends), good};
+  skf_vd N = vd_sqrt(f.n0 * f.n1), h2 = f.n2 * c->per_L2, h = vd_sqrt(h2);
+  skf_vd t0 = -vd3_dot(f.d0, c->a), t1 = -vd3_dot(f.d1, c->a);
+  return (inverse_squared_segment_state){f, N, h, t0 + t1, h2 - t0 * t1, h2, h2, h2, h2, h2, (skf_vi)h2};
+}
+
+SKF_INLINE void inverse_squared_segment_middle(const segment_row *c, inverse_squared_segment_state *s) {
+  skf_vd NN = s->f.n0 * s->f.n1, one = vd_set(1), h2 = s->f.n2 * c->per_L2, A = s->N + vd_abs(s->cosine);
+  skf_vi front = s->cosine >= vd_set(0);
+  skf_vd bottom = vd_select(front, h2, A);
+  skf_vangle angle = vd_angle_parts(s->h * c->L, vd3_dot(s->f.d0, s->f.d1));
+  s->offset = angle.offset, s->t = angle.top / angle.bottom;
+  s->top = vd_select(front, A, s->sum * s->sum), s->inv = one / (NN * bottom), s->per_h = one / s->h;
+  s->cosine = bottom;
+  s->good = vd_sane(NN) & vd_sane(s->f.n2) & vd_sane(NN * bottom);
+}
+
+SKF_INLINE skf_vvalue inverse_squared_segment_end(const segment_row *c, const inverse_squared_segment_state *s) {
+  skf_vd L = c->L, per_NN = s->cosine * s->inv, ends = L * s->sum * per_NN, per_h = s->per_h;
+  skf_vd delta = vd_angle_series(s->offset, s->t), gap = span_gap3(delta, s->h * L * s->N * per_NN), F = delta * per_h;
+  skf_vd g = vd_fma(gap * per_h, per_h * per_h, L * s->top * s->inv);
+  return (skf_vvalue){F, segment_gradient(c, &s->f, -g, ends), s->good};
 }
 
 SKF_BATCH_FORM(gaussian_segment, gaussian_span, skf_again_none)
-SKF_BATCH_FORM(inverse_squared_segment, segment, skf_again_none)
+SKF_BATCH_STAGED(inverse_squared_segment, segment, skf_again_none)
 
 #endif

@@ -94,7 +94,7 @@ SKF_INLINE inverse_triangle_state inverse_triangle_begin(const triangle_row *T, 
   s.z = -vd3_dot(a[0], T->n);
   s.num = s.z * T->twice;
   s.den = vd_fma(dot[0], r[2], vd_fma(dot[1], r[0], vd_fma(dot[2], r[1], rr[0] * r[2])));
-  skf_vd least = vd_set(SKF_PICK(16, 64));
+  skf_vd least = vd_set(SKF_PICK(128, 64));
   s.good = (least * s.near[0] > rr[0]) & (least * s.near[1] > rr[1]) & (least * s.near[2] > rr[2]);
   s.good &= (s.far[0] + r[2] < T->limit) & ((s.den > vd_set(0)) | (vd_set(0x1p20) * vd_abs(s.z) > r[0])) &
             vd_sane(rr[0] * r[2]);
