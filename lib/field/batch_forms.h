@@ -10,6 +10,8 @@
 static inline bool skf_form_any(const skf_prepared *e) { return e != NULL; }
 static inline bool skf_form_circle(const skf_prepared *e) { return e->plan.arc.full; }
 static inline bool skf_form_open_arc(const skf_prepared *e) { return !e->plan.arc.full; }
+/* Angles are differences there, good to 2^-53 each. */
+static inline bool skf_form_long_arc(const skf_prepared *e) { return !e->plan.arc.full && e->plan.arc.half > 0.05; }
 
 #define SKF_BATCH_FORMS(X)                                                                                             \
   X(cauchy_point, SKF_CAUCHY, SKF_POINT, skf_form_any)                                                                 \
@@ -40,9 +42,9 @@ static inline bool skf_form_open_arc(const skf_prepared *e) { return !e->plan.ar
   X(inverse_squared_arc, SKF_INVERSE_SQUARED, SKF_ARC, skf_form_open_arc)                                              \
   X(inverse_squared_circle, SKF_INVERSE_SQUARED, SKF_ARC, skf_form_circle)                                             \
   X(gaussian_circle, SKF_GAUSSIAN, SKF_ARC, skf_form_circle)                                                           \
-  X(quartic_arc, SKF_QUARTIC, SKF_ARC, skf_form_open_arc)                                                              \
+  X(quartic_arc, SKF_QUARTIC, SKF_ARC, skf_form_long_arc)                                                              \
   X(quartic_circle, SKF_QUARTIC, SKF_ARC, skf_form_circle)                                                             \
-  X(soft_object_arc, SKF_SOFT_OBJECT, SKF_ARC, skf_form_open_arc)                                                      \
+  X(soft_object_arc, SKF_SOFT_OBJECT, SKF_ARC, skf_form_long_arc)                                                      \
   X(soft_object_circle, SKF_SOFT_OBJECT, SKF_ARC, skf_form_circle)                                                     \
   X(cauchy_triangle, SKF_CAUCHY, SKF_TRIANGLE, skf_form_any)                                                           \
   X(quartic_triangle, SKF_QUARTIC, SKF_TRIANGLE, skf_form_any)                                                         \

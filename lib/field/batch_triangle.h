@@ -96,6 +96,8 @@ SKF_INLINE inverse_triangle_state inverse_triangle_begin(const triangle_row *T, 
   s.den = vd_fma(dot[0], r[2], vd_fma(dot[1], r[0], vd_fma(dot[2], r[1], rr[0] * r[2])));
   skf_vd least = vd_set(SKF_PICK(128, 64));
   s.good = (least * s.near[0] > rr[0]) & (least * s.near[1] > rr[1]) & (least * s.near[2] > rr[2]);
+  /* next to a corner z must be taken from there */
+  s.good &= vd_max(vd_abs(s.num), vd_abs(s.den)) > vd_set(SKF_PICK(0x1p-10, 0x1p-5)) * (r[0] * T->twice);
   s.good &= (s.far[0] + r[2] < T->limit) & ((s.den > vd_set(0)) | (vd_set(0x1p20) * vd_abs(s.z) > r[0])) &
             vd_sane(rr[0] * r[2]);
   return s;

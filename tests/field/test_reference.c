@@ -171,7 +171,7 @@ static void check_table(bool batch) {
                       skf_shape_get((skf_shape)s)->name, worst[k][s].F, worst[k][s].g);
   print_message("%d rows, %d limited by conditioning, %d failed\n", rows, limited, failed);
   assert_true(rows > 500);
-  assert_int_equal(failed, 0);
+  assert_int_equal(failed + limited, 0); /* no row of this table needs the leave */
 }
 
 static void test_points(void **state) {
