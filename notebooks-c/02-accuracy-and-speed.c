@@ -75,7 +75,7 @@ void measure(const field_case *c, case_region r, pair_errors *to) {
 uint64_t seed = 20261127;
 int places = 0;
 for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-  for (int s = 0; s < SKF_SHAPE_COUNT; s++)
+  for (int s = 0; s < SKF_SOLID; s++)
     for (int i = 0; i < PER_REGION * CASE_REGIONS; i++) {
       field_case c;
       case_region r = (case_region)(i % CASE_REGIONS);
@@ -84,7 +84,7 @@ for (int k = 0; k < SKF_KERNEL_COUNT; k++)
     }
 printf("%-16s %-9s %9s %9s %9s %8s %8s\n", "", "", "F", "gradient", "Hessian", "places", "limited");
 for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-  for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
+  for (int s = 0; s < SKF_SOLID; s++) {
     const pair_errors *m = &measured[k][s];
     printf("%-16s %-9s %9.1e %9.1e %9.1e %8d %8d\n", kernel_name(k), shape_name(s), m->all.F, m->all.g, m->all.h,
            m->places, m->limited);
@@ -138,7 +138,7 @@ nb_require(plot->colormap("viridis", rgb));
 const double left = 260, top = 60, wide = 130, tall = 25;
 for (int r = 0; r < CASE_REGIONS; r++) label(c, left + (r + 0.5) * wide, top - 22, 0.5, 17, ink, case_region_name[r]);
 for (int k = 0, row = 0; k < SKF_KERNEL_COUNT; k++)
-  for (int s = 0; s < SKF_SHAPE_COUNT; s++, row++) {
+  for (int s = 0; s < SKF_SOLID; s++, row++) {
     double y = top + row * tall + 4 * k;
     char text[64];
     snprintf(text, sizeof text, "%s %s", kernel_name(k), shape_name(s));
@@ -311,7 +311,7 @@ uint64_t seed = 5;
 for (int i = 0; i < POINTS; i++)
   for (int k = 0; k < 3; k++) fx[k][i] = (float)(px[k][i] = rnd(&seed, -2, 2));
 for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-  for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
+  for (int s = 0; s < SKF_SOLID; s++) {
     pair_times t = {1, 1, 1, 1};
     skf_field *f = typical(k, s);
     skf_field_f32 *f32;
@@ -328,7 +328,7 @@ for (int k = 0; k < SKF_KERNEL_COUNT; k++)
   }
 printf("%-16s %-9s %11s %11s %8s %11s %14s   [ns]\n", "", "", "one point", "batch", "ratio", "floats", "with Hessian");
 for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-  for (int s = 0; s < SKF_SHAPE_COUNT; s++) {
+  for (int s = 0; s < SKF_SOLID; s++) {
     pair_times t = taken[k][s];
     printf("%-16s %-9s %11.1f %11.2f %8.1f %11.2f %14.1f\n", kernel_name(k), shape_name(s), 1e9 * t.one, 1e9 * t.batch,
            t.one / t.batch, 1e9 * t.floats, 1e9 * t.tensor);
@@ -348,7 +348,7 @@ const char *ticks[5] = {"1 ns", "10 ns", "100 ns", "1 µs", "10 µs"};
 for (int i = 0; i < 5; i++) tick(c, left + (right - left) * (i + 0.3) / 4.3, top, bottom, ticks[i]);
 label(c, left, 24, 0, 17, ink, "F and gradient: one point (light) and a batch (dark), shorter is faster");
 for (int k = 0, row = 0; k < SKF_KERNEL_COUNT; k++)
-  for (int s = 0; s < SKF_SHAPE_COUNT; s++, row++) {
+  for (int s = 0; s < SKF_SOLID; s++, row++) {
     double y = top + row * tall + 4 * k, ns[2] = {1e9 * taken[k][s].one, 1e9 * taken[k][s].batch};
     char text[64];
     snprintf(text, sizeof text, "%s %s", kernel_name(k), shape_name(s));
