@@ -70,7 +70,7 @@ SKF_INLINE skf_vvalue soft_object_of(const point_row *c, skf_v3d d, skf_vd m, sk
   return point_result(d, h, c->per_param2 * m * vd_fma(vd_set(-8. / 3), m, vd_set(-20. / 9)), good);
 }
 
-/* How near the rim the plain difference is not enough: it leaves 3e-13 of h. */
+/* How near the rim the plain difference is not enough: it leaves some 5e-13 of h. */
 #define RIM SKF_PICK(0x1p-10, 0x1p-5)
 
 SKF_INLINE skf_vd point_plain(const point_row *c, skf_v3d d, skf_vi *good) {

@@ -102,9 +102,9 @@ struct skf_user_kernel {
    in the integral, so that a body keeps its potential, its mass and its smoothness.) Quartic and soft object on
    segments, with all but the sine, are exact sums; everything else is summed by Gauss's rules whose error is bounded
    beforehand. Relative error 1e-12 in F, 1e-11 in the gradient, 1e-10 in the Hessian, against the same integral of the
-   weight's absolute value, tests/field/test_profile.c; users' kernels by adaptive quadrature. Cost: 0.5 to 10 us a
-   point. On the body the singular kernels give F = +-infinity by the weight there and the gradient 0; where the weight
-   is 0, F is finite for inverse, and of inverse-squared what lies beyond 1e-140 of its length. */
+   weight's absolute value, tests/field/test_profile.c; users' kernels by adaptive quadrature. On the body the singular
+   kernels give F = +-infinity by the weight there and the gradient 0; where the weight is 0, F is finite for inverse,
+   and of inverse-squared what lies beyond 1e-140 of its length. */
 typedef enum skf_profile_type {
   SKF_PROFILE_LINEAR, /* from ends[0] to ends[1] */
   SKF_PROFILE_HAT,    /* 0 - 1 - 0, straight */
