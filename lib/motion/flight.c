@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* One particle: steps, contacts, and what becomes of it. */
+#include "motion/flight.h"
 #include "core/alloc.h"
 #include "motion/contact.h"
 #include "motion/integrator.h"
 #include <float.h>
+#include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 /* The first step is this share of the shorter of the times that it takes to cross or to fall the world's length. */
 #define FIRST_STEP 0.01
@@ -19,6 +22,7 @@ struct skf_flight {
   const skf_integrator_ops *ops;
   void *work;
   skf_ode ode;
+  /* From here on: what skf_flight_save keeps. */
   skf_orbit orbit;     /* at the end of the last step, after its contact */
   skf_clock from;      /* start of the last step */
   skf_path path;       /* of the last step, where there was one */
@@ -121,6 +125,24 @@ skf_status skf_flight_new(const skf_world *world, const skf_flight_options *opti
 void skf_flight_free(skf_flight *f) {
   if (f) skf_free(f->work);
   skf_free(f);
+}
+
+enum { KEPT = sizeof(skf_flight) - offsetof(skf_flight, orbit) };
+
+size_t skf_flight_state_size(const skf_flight *f) { return KEPT + sizeof f->ode.evaluations + f->ops->work_size; }
+
+void skf_flight_save(const skf_flight *f, void *bytes) {
+  char *to = bytes;
+  memcpy(to, (const char *)f + offsetof(skf_flight, orbit), KEPT);
+  memcpy(to + KEPT, &f->ode.evaluations, sizeof f->ode.evaluations);
+  memcpy(to + KEPT + sizeof f->ode.evaluations, f->work, f->ops->work_size);
+}
+
+void skf_flight_load(skf_flight *f, const void *bytes) {
+  const char *from = bytes;
+  memcpy((char *)f + offsetof(skf_flight, orbit), from, KEPT);
+  memcpy(&f->ode.evaluations, from + KEPT, sizeof f->ode.evaluations);
+  memcpy(f->work, from + KEPT + sizeof f->ode.evaluations, f->ops->work_size);
 }
 
 /* What the contact does to the flight: its new fate and velocity. */

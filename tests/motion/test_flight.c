@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Flights around extended, spinning and compact bodies: invariants, returns, equilibria, frames. */
+#include "motion/flight.h"
 #include "motion/worlds.h"
+#include <string.h>
 
 static const skf_spin still = {{0, 0, 1}, {0, 0, 0}, 0};
 
@@ -209,6 +211,39 @@ static void bad_flights_are_refused(void **state) {
   assert_int_equal(skf_world_new(&(skf_attractor){NULL, 1, 1, still}, 1, &w), SKF_ERR_ARG);
 }
 
+/* Saved in the middle and loaded into a flight from elsewhere: the same bits to the end, whatever happens on the way.
+ */
+static void saved_flights_continue(void **state) {
+  (void)state;
+  const skf_contact_mode modes[] = {SKF_CONTACT_NONE, SKF_CONTACT_BOUNCE, SKF_CONTACT_STICK};
+  size_t contacts = 0;
+  skf_element e[2];
+  skf_field *field;
+  skf_world *w = single(e, cross(e), 3, 1.0 / 6, (skf_spin){{0, 0, 1}, {0, 0, 0}, 0.6}, &field);
+  for (size_t i = 0; i < skf_integrator_count(); i++)
+    for (int mode = 0; mode < 3; mode++)
+      for (double at = 1; at < 30; at += 14) {
+        skf_flight_options o = {.integrator = skf_integrator_get(i)->name, .contact = modes[mode]};
+        o.restitution = 0.5, o.friction = 0.1;
+        skf_flight *a = fly(w, o, (skf_state){0, {3, 0, 0.5}, {0, 0.1, 0.05}});
+        state_at(a, at, NULL, NULL);
+        skf_flight *b = fly(w, o, (skf_state){7, {5, 0, 0.5}, {0, 0.4, 0.05}});
+        void *bytes = malloc(skf_flight_state_size(a));
+        skf_flight_save(a, bytes), skf_flight_load(b, bytes);
+        skf_state sa = state_at(a, 31, NULL, NULL), sb = state_at(b, 31, NULL, NULL);
+        skf_flight_report ra = skf_flight_get_report(a), rb = skf_flight_get_report(b);
+        assert_memory_equal(&sa, &sb, sizeof sa);
+        assert_int_equal(ra.evaluations, rb.evaluations);
+        assert_int_equal(ra.contacts, rb.contacts);
+        contacts += ra.contacts;
+        assert_memory_equal(&ra.jacobi_drift, &rb.jacobi_drift, sizeof ra.jacobi_drift);
+        free(bytes), skf_flight_free(a), skf_flight_free(b);
+      }
+  assert_true(contacts > 4);
+  skf_world_free(w);
+  skf_field_free(field);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(donut_keeps_its_invariants),
@@ -219,6 +254,7 @@ int main(void) {
       cmocka_unit_test(finite_support_is_not_leapt_over),
       cmocka_unit_test(scale_does_not_matter),
       cmocka_unit_test(bad_flights_are_refused),
+      cmocka_unit_test(saved_flights_continue),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
