@@ -35,10 +35,9 @@ const char *info_surface(const info_body *b) {
 }
 
 const char *info_contact(skf_contact_mode mode) {
-  static const char *const names[] = {[SKF_CONTACT_NONE] = "none",
-                                      [SKF_CONTACT_STOP] = "stop",
-                                      [SKF_CONTACT_BOUNCE] = "bounce",
-                                      [SKF_CONTACT_STICK] = "stick"};
+  static const char *const names[] = {
+      [SKF_CONTACT_NONE] = "none",   [SKF_CONTACT_STOP] = "stop",     [SKF_CONTACT_BOUNCE] = "bounce",
+      [SKF_CONTACT_STICK] = "stick", [SKF_CONTACT_ABSORB] = "absorb", [SKF_CONTACT_PASS] = "pass"};
   return names[mode];
 }
 

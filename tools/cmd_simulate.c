@@ -197,6 +197,8 @@ const cli_command cmd_simulate = {
     "             less friction times the normal impulse\n"
     "     slide   a rebound too low to tell: slides on, until it takes off again\n"
     "     rest    the same without speed along the ground, held by friction: stays on the body\n"
+    "     absorb  is gone: no rows at or after that time (HDF5: NaN)\n"
+    "     pass    flies through, told at each entry\n"
     "     A particle that starts inside of a body flies freely until it leaves it.\n"
     "launch: a start on a body's ellipsoid; its speed is relative to the turning ground.\n"
     "example: skelfield simulate data/donut.yaml -o orbits.csv --contacts contacts.csv",

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Trajectories and contact logs as CSV, and the list of writers. */
 #include "trajectory.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,6 +33,7 @@ static int row_csv(void *self, double t, const skf_state *states, const run_plac
   FILE *f = w->out.file;
   const skf_scene *scene = w->table->scene;
   for (size_t i = 0; i < scene->particle_count; i++) {
+    if (isnan(states[i].position.x)) continue; /* absorbed */
     cli_put(f, t);
     putc(',', f);
     fputs(scene->particles[i].name, f); /* names hold no commas and no quotes */

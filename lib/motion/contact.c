@@ -134,13 +134,13 @@ static bool search(view *v, double a, double b, int depth, double *s) {
   return search(v, a, middle, depth - 1, s) || search(v, middle, b, depth - 1, s);
 }
 
-skf_touch skf_contact_find(const skf_world *world, const skf_path *path, double s_end, size_t born,
+skf_touch skf_contact_find(const skf_world *world, const skf_path *path, double s_end, size_t born, int from,
                            skf_search_report *report) {
   skf_touch first = {false, 0, s_end};
   for (size_t i = 0; i < world->n; i++) {
     const skf_world_body *b = world->bodies + i;
     if (!b->surface) continue;
-    view v = {b, path, b->rate * path->h, born == i ? -1 : 0, born == i, 0, report};
+    view v = {b, path, b->rate * path->h, born == i ? from : 0, born == i, 0, report};
     double s;
     if (search(&v, 0, first.s, DEPTH, &s) && (!first.found || s < first.s)) first = (skf_touch){true, i, s};
     if (first.found && first.s == 0) break;

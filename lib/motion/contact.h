@@ -17,9 +17,10 @@ typedef struct skf_search_report {
 } skf_search_report;
 
 /* The first s in [0, s_end] where the path goes from F < iso to F >= iso of any body. `born`: index of a body on whose
-   surface the path begins, from outside (a contact at s = 0 is then one that goes inwards), or SIZE_MAX. Pieces of the
+   surface the path begins, or SIZE_MAX; `from` is the side that it comes from: -1 outside (a contact at s = 0 is then
+   one that goes inwards), 1 inside. Pieces of the
    path that are within rounding of a surface and then leave it are no contacts; the report counts them as grazing. */
-skf_touch skf_contact_find(const skf_world *world, const skf_path *path, double s_end, size_t born,
+skf_touch skf_contact_find(const skf_world *world, const skf_path *path, double s_end, size_t born, int from,
                            skf_search_report *report);
 
 /* Index of a body on whose surface p lies up to rounding, SIZE_MAX when there is none. */

@@ -14,7 +14,7 @@
 /* A particle that touches this often without time going on is wedged: it rests. */
 #define WEDGED 8
 
-typedef enum fate { FLIES, STOPPED, RIDES } fate;
+typedef enum fate { FLIES, STOPPED, RIDES, ABSORBED } fate;
 
 struct skf_flight {
   const skf_world *world;
@@ -28,9 +28,9 @@ struct skf_flight {
   skf_path path;       /* of the last step, where there was one */
   bool stepped, dense; /* there was a step; its path is known */
   fate fate;
-  size_t body;   /* that it rides on, or on whose surface it starts; SIZE_MAX: none */
-  skf_vec3 seat; /* its place on that body */
-  bool sliding;
+  size_t body;          /* that it rides on, or on whose surface it starts; SIZE_MAX: none */
+  skf_vec3 seat;        /* its place on that body */
+  bool sliding, within; /* within: it is on the surface of `body` on its way in */
   int wedged;
   skf_invariants reference; /* since the last contact */
   double momentum_scale;
@@ -43,7 +43,7 @@ static bool force(const void *user, skf_clock t, skf_vec3 x, skf_vec3 *a, double
 
 static bool sound(const skf_flight_options *o) {
   if (!(o->tolerance > 0 && o->tolerance <= 0.1) || !(o->max_step > 0)) return false;
-  if ((unsigned)o->contact > SKF_CONTACT_STICK) return false;
+  if ((unsigned)o->contact >= SKF_CONTACT_COUNT) return false;
   if (o->contact != SKF_CONTACT_BOUNCE) return true;
   return o->restitution >= 0 && o->restitution <= 1 && o->friction >= 0 && isfinite(o->friction);
 }
@@ -153,6 +153,8 @@ static skf_outcome resolve(skf_flight *f, const skf_world_body *b, skf_contact *
     if (!(v3_norm(c->normal) > 0) || f->wedged >= WEDGED)
       return c->after = skf_body_velocity(b, c->position), SKF_OUTCOME_REST;
     return skf_contact_rebound(f->world, b, &f->options, f->orbit.t, c->position, c->normal, c->before, &c->after);
+  case SKF_CONTACT_ABSORB: return c->after = v3(0, 0, 0), SKF_OUTCOME_ABSORB;
+  case SKF_CONTACT_PASS: return c->after = c->before, SKF_OUTCOME_PASS;
   default: return c->after = v3(0, 0, 0), SKF_OUTCOME_STOP;
   }
 }
@@ -170,10 +172,11 @@ static skf_status touch(skf_flight *f, const skf_touch *at, skf_contact *c, bool
   *silent = c->outcome == SKF_OUTCOME_SLIDE && f->sliding;
   f->sliding = c->outcome == SKF_OUTCOME_SLIDE;
   f->body = at->body;
+  f->within = c->outcome == SKF_OUTCOME_PASS;
   f->orbit.v = c->after;
   f->report.contacts += !*silent;
-  if (c->outcome == SKF_OUTCOME_BOUNCE || f->sliding) return restart(f);
-  f->fate = c->outcome == SKF_OUTCOME_STOP ? STOPPED : RIDES;
+  if (c->outcome == SKF_OUTCOME_BOUNCE || f->sliding || f->within) return restart(f);
+  f->fate = c->outcome == SKF_OUTCOME_STOP ? STOPPED : c->outcome == SKF_OUTCOME_ABSORB ? ABSORBED : RIDES;
   skf_turn r = skf_turn_at(b, t);
   f->seat = skf_turn_point(&r, -1, x);
   return SKF_OK;
@@ -208,7 +211,7 @@ skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
   s = know_path(f);
   if (s) return s;
   skf_search_report search = {0};
-  skf_touch at = skf_contact_find(f->world, &f->path, 1, f->body, &search);
+  skf_touch at = skf_contact_find(f->world, &f->path, 1, f->body, f->within ? 1 : -1, &search);
   f->report.bounds += search.bounds, f->report.grazing += search.grazing;
   f->body = SIZE_MAX;
   if (!at.found) return SKF_OK;
@@ -228,6 +231,7 @@ void skf_flight_span(const skf_flight *f, double *from, double *to) {
 static skf_state seated(const skf_flight *f, double t) {
   skf_state s = {t, f->orbit.x, {0, 0, 0}};
   if (f->fate == STOPPED) return s;
+  if (f->fate == ABSORBED) return (skf_state){t, {NAN, NAN, NAN}, {NAN, NAN, NAN}};
   const skf_world_body *b = f->world->bodies + f->body;
   skf_turn r = skf_turn_at(b, (skf_clock){t, 0});
   s.position = skf_turn_point(&r, 1, f->seat);

@@ -52,6 +52,6 @@ skf_outcome skf_contact_rebound(const skf_world *world, const skf_world_body *b,
 }
 
 const char *skf_outcome_name(skf_outcome outcome) {
-  static const char *const names[SKF_OUTCOME_COUNT] = {"stop", "stick", "bounce", "slide", "rest"};
+  static const char *const names[SKF_OUTCOME_COUNT] = {"stop", "stick", "bounce", "slide", "rest", "absorb", "pass"};
   return (unsigned)outcome < SKF_OUTCOME_COUNT ? names[outcome] : "unknown";
 }

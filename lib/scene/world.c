@@ -103,12 +103,11 @@ skf_status skf_resolve_launches(skf_reader *r, const skf_node *particles) {
 }
 
 static skf_status read_contact(skf_reader *r, const skf_node *node, void *into) {
-  static const char *const modes[] = {[SKF_CONTACT_NONE] = "none",
-                                      [SKF_CONTACT_STOP] = "stop",
-                                      [SKF_CONTACT_BOUNCE] = "bounce",
-                                      [SKF_CONTACT_STICK] = "stick"};
+  static const char *const modes[] = {
+      [SKF_CONTACT_NONE] = "none",   [SKF_CONTACT_STOP] = "stop",     [SKF_CONTACT_BOUNCE] = "bounce",
+      [SKF_CONTACT_STICK] = "stick", [SKF_CONTACT_ABSORB] = "absorb", [SKF_CONTACT_PASS] = "pass"};
   int mode = SKF_CONTACT_STOP;
-  skf_status s = skf_read_choice(r, node, "contact", modes, 4, &mode);
+  skf_status s = skf_read_choice(r, node, "contact", modes, SKF_CONTACT_COUNT, &mode);
   ((skf_simulation *)into)->contact = (skf_contact_mode)mode;
   return s;
 }
@@ -135,7 +134,7 @@ static const skf_key simulation_keys[] = {
     {"tolerance", "1", "relative error per step (default: 1e-12)", SKF_KEY_NUMBER, false,
      .offset = offsetof(skf_simulation, tolerance), .range = &tolerance},
     {"contact", NULL, "what happens at a surface (default: stop)", SKF_KEY_OTHER, .read = read_contact,
-     .form = "none, stop, bounce or stick"},
+     .form = "none, stop, bounce, stick, absorb or pass"},
     {"restitution", "1", "of a bounce: normal speed after / before (default: 1)", SKF_KEY_NUMBER, false,
      .offset = offsetof(skf_simulation, restitution), .range = &skf_fraction},
     {"friction", "1", "of a bounce, Coulomb's coefficient (default: 0)", SKF_KEY_NUMBER, false,

@@ -20,7 +20,10 @@ typedef enum skf_contact_mode {
   SKF_CONTACT_NONE,   /* nothing: the particle flies through */
   SKF_CONTACT_STOP,   /* it stays at this place of the inertial frame, with velocity 0 */
   SKF_CONTACT_BOUNCE, /* it rebounds, with restitution and Coulomb friction; see skf_outcome */
-  SKF_CONTACT_STICK   /* it stays at this place of the body, and turns with it */
+  SKF_CONTACT_STICK,  /* it stays at this place of the body, and turns with it */
+  SKF_CONTACT_ABSORB, /* it is gone: its state is NAN from then on */
+  SKF_CONTACT_PASS,   /* it flies through, each entry is told */
+  SKF_CONTACT_COUNT
 } skf_contact_mode;
 
 /* ---- Integrators ---- */
@@ -101,9 +104,11 @@ typedef enum skf_outcome {
   SKF_OUTCOME_BOUNCE, /* rebounds */
   SKF_OUTCOME_SLIDE,  /* rebounds too low to tell; slides along the surface from now on, until it takes off */
   SKF_OUTCOME_REST,   /* comes to rest on the body and stays there */
+  SKF_OUTCOME_ABSORB, /* is gone from now on */
+  SKF_OUTCOME_PASS,   /* enters the body as if it were not there */
   SKF_OUTCOME_COUNT
 } skf_outcome;
-/* "stop", "stick", "bounce", "slide", "rest" */
+/* "stop", "stick", "bounce", "slide", "rest", "absorb", "pass" */
 SKF_API const char *skf_outcome_name(skf_outcome outcome);
 
 /* One contact, in the inertial frame. */

@@ -38,6 +38,12 @@ expect_same "stdout is the same table" out run.csv
 run simulate fall.yaml --threads 1
 expect_same "one thread gives the same bytes" out run.csv
 
+sed 's/tolerance:/contact: absorb, tolerance:/' fall.yaml >absorb.yaml
+run simulate absorb.yaml --contacts hits.csv
+expect_close "rows of the absorbed end" "$(rows)" 6 0
+expect "the others' go on" [ "$(field 7 2)" = moon ]
+expect "the log tells" grep -q ',absorb$' hits.csv
+
 if has geographiclib; then
   run simulate fall.yaml --ground-track sun
   expect_out "a ground track" '^t,particle,x,y,z,vx,vy,vz,lat,lon,height$'

@@ -301,6 +301,68 @@ static void moving_bodies_are_met(void **state) {
   drop(w, field);
 }
 
+/* Through two spheres that overlap, at any scale: an entry into each, told in order, on a path that they do not
+ * disturb. */
+static void passing_tells_every_entry(void **state) {
+  (void)state;
+  for (int k = -7; k <= 7; k += 7) {
+    double L = pow(10, k), T = sqrt(L * L * L);
+    skf_element near = point_at(0, 0, 0, newton), far = point_at(0.8 * L, 0, 0, newton);
+    skf_field *fields[2] = {field_of(&near, 1), field_of(&far, 1)};
+    skf_world *w = world_of((skf_attractor[]){{fields[0], 2 / L, 1e-3, still}, {fields[1], 2 / L, 1e-3, still}}, 2);
+    skf_state start = {0, {2 * L, 0.2 * L, 0}, {-L / T, 0.1 * L / T, 0.1 * L / T}};
+    skf_flight *f = fly(w, (skf_flight_options){.contact = SKF_CONTACT_PASS}, start);
+    skf_flight *free = fly(w, (skf_flight_options){.contact = SKF_CONTACT_NONE}, start);
+    size_t n = 0;
+    skf_contact c = {0};
+    skf_state here = state_at(f, 1.8 * T, &n, &c), there = state_at(free, 1.8 * T, NULL, NULL);
+    assert_true(skf_world_level(w, 1, 0, there.position) < 0);
+    assert_int_equal(n, 2);
+    assert_int_equal(c.outcome, SKF_OUTCOME_PASS);
+    assert_int_equal(c.body, 0);
+    check_scaled(v3_dist(c.position, v3(0, 0, 0)), 0.5 * L, L, 1e-14);
+    assert_true(v3_dot(c.normal, c.before) < 0 && v3_dist(c.before, c.after) == 0);
+    check_scaled(v3_dist(here.position, there.position), 0, L, 1e-11);
+    skf_flight_free(f), skf_flight_free(free);
+    skf_world_free(w);
+    skf_field_free(fields[0]), skf_field_free(fields[1]);
+  }
+}
+
+/* A wide orbit that dips into a body again and again enters it once a revolution. */
+static void passing_comes_back(void **state) {
+  (void)state;
+  skf_field *field;
+  skf_world *w = sphere(0.7, 1, still, &field);
+  skf_flight *f = fly(w, (skf_flight_options){.contact = SKF_CONTACT_PASS}, kepler(0.5));
+  size_t n = 0;
+  skf_state s = state_at(f, 10 * TAU, &n, NULL); /* it begins within */
+  assert_int_equal(n, 10);
+  check_scaled(v3_dist(s.position, v3(0.5, 0, 0)), 0, 1, 1e-9);
+  skf_flight_free(f);
+  drop(w, field);
+}
+
+static void the_absorbed_are_gone(void **state) {
+  (void)state;
+  skf_field *field;
+  skf_world *w = sphere(0.3, 1, still, &field);
+  skf_flight *f = fly(w, (skf_flight_options){.contact = SKF_CONTACT_ABSORB}, (skf_state){0, {0, 1, 0}, {0, 0, 0}});
+  size_t n = 0;
+  skf_contact c = {0};
+  skf_state s = state_at(f, 0.5, &n, &c);
+  assert_true(n == 0 && isfinite(s.position.y));
+  s = state_at(f, 1e300, &n, &c);
+  assert_int_equal(n, 1);
+  assert_int_equal(c.outcome, SKF_OUTCOME_ABSORB);
+  check_close(c.position.y, 0.3, 1e-15);
+  assert_true(isnan(s.position.y) && isnan(s.velocity.x) && s.t == 1e300);
+  assert_int_equal(skf_flight_at(f, c.t, &s), SKF_OK);
+  assert_true(isnan(s.position.y));
+  skf_flight_free(f);
+  drop(w, field);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(free_fall_takes_its_time),   cmocka_unit_test(grazing_is_decided),
@@ -308,6 +370,8 @@ int main(void) {
       cmocka_unit_test(flights_along_the_surface),  cmocka_unit_test(elastic_bounces_keep_energy),
       cmocka_unit_test(lossy_bounces_come_to_rest), cmocka_unit_test(sliding_goes_on_and_friction_stops_it),
       cmocka_unit_test(spinning_ground_counts),     cmocka_unit_test(moving_bodies_are_met),
+      cmocka_unit_test(passing_tells_every_entry),  cmocka_unit_test(passing_comes_back),
+      cmocka_unit_test(the_absorbed_are_gone),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
