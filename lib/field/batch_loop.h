@@ -187,6 +187,18 @@ SKF_INLINE void tile_keep(const skf_tile *tile, size_t j, const skf_vvalue *v, b
       vd_store(values[k] + j, part[k]);
 }
 
+/* The first lane, and the sum of a tile's values as name##_add and `total` make it. */
+SKF_INLINE void vv_first(double strength, const skf_vvalue *v, double out[4]) {
+  out[0] = strength * v->F[0], out[1] = strength * v->g.x[0];
+  out[2] = strength * v->g.y[0], out[3] = strength * v->g.z[0];
+}
+SKF_INLINE void tile_total(const skf_tile *tile, double values[4][SKF_TILE], double out[4]) {
+  for (int k = 0; k < 4; k++) out[k] = 0;
+  for (size_t j = 0; j < tile->count; j++)
+    for (int k = 0; k < 4; k++) out[k] = fma(tile->column[j], values[k][j], out[k]);
+  for (int k = 1; k < 4; k++) out[k] = out[0] - out[0] == 0 ? out[k] : 0;
+}
+
 /* The lanes from n on, which see no element of their own, must not be infinite. */
 static inline void lanes_beyond(size_t n, skf_vvalue *v) {
   for (size_t i = n; i < SKF_LANES; i++)
@@ -238,6 +250,32 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
       tile_keep(tile, j, &v, exact, values, sum);                                                                      \
     }                                                                                                                  \
     if (!exact) sum_tile(tile, values, sum);                                                                           \
+  }                                                                                                                    \
+  static __attribute__((noinline)) void name##_few(const skf_tile *tile, skf_vec3 p, double out[4]) {                  \
+    const skf_v3d x = {vd_set(p.x), vd_set(p.y), vd_set(p.z)};                                                         \
+    double values[4][SKF_TILE];                                                                                        \
+    for (size_t j = 0; j < tile->count; j += SKF_LANES) {                                                              \
+      name##_row row;                                                                                                  \
+      row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+      skf_vvalue v = name##_value(&row, x);                                                                            \
+      if (!vi_all(v.good)) {                                                                                           \
+        skf_v3d at = x;                                                                                                \
+        skf_vvalue w = v;                                                                                              \
+        name##_redo_at(tile, j, &at, &w);                                                                              \
+        v = w;                                                                                                         \
+      }                                                                                                                \
+      tile_keep(tile, j, &v, false, values, NULL);                                                                     \
+    }                                                                                                                  \
+    tile_total(tile, values, out);                                                                                     \
+  }                                                                                                                    \
+  static void name##_lone(const skf_tile *tile, skf_vec3 p, double out[4]) {                                           \
+    const skf_v3d x = {vd_set(p.x), vd_set(p.y), vd_set(p.z)};                                                         \
+    name##_row row;                                                                                                    \
+    if (tile->count > 1) return name##_few(tile, p, out);                                                              \
+    row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, 0);                                 \
+    skf_vvalue v = name##_value(&row, x);                                                                              \
+    if (!vi_all(v.good)) return name##_few(tile, p, out);                                                              \
+    vv_first(tile->column[0], &v, out);                                                                                \
   }
 
 /* Two vectors at once */
@@ -352,7 +390,8 @@ static inline void batch_total(size_t n, const skf_batch_sum *sum, int k, double
 
 /* Its row in the table of an instruction set */
 #define SKF_BATCH_ENTRY(name)                                                                                          \
-  [SKF_FORM_##name] = {sizeof(name##_row) / sizeof(skf_vd) + 1, name##_pack, name##_one, name##_add, name##_at},
+  [SKF_FORM_##                                                                                                         \
+      name] = {sizeof(name##_row) / sizeof(skf_vd) + 1, name##_pack, name##_one, name##_add, name##_at, name##_lone},
 
 #endif
 #endif

@@ -20,7 +20,8 @@ struct skf_field {
   bool crowd;          /* neither solids nor far sums, and enough elements of one form to make them the lanes */
   size_t direct_count; /* plain elements that are summed one by one: all, or those that no far sum has */
   skf_prepared *direct, *own;
-  skf_batch batch; /* of these */
+  skf_batch batch;                                     /* of these */
+  void (*lone)(const skf_tile *, skf_vec3, double[4]); /* of the only tile, where that is all; else NULL */
   skf_far **far;
   size_t far_count;
 };
@@ -132,6 +133,7 @@ skf_status skf_field_new_with(const skf_element *elements, size_t n, const skf_f
   if (s) return skf_field_free(f), s;
   bool alone = f->far_count == 0 && f->plain == f->n;
   for (size_t i = 0; i < f->batch.tiles && alone; i++) f->crowd |= skf_batch_full(f->batch.tile + i);
+  if (alone && f->batch.tiles == 1 && f->batch.tile->column) f->lone = f->batch.ops->form[f->batch.tile->form].lone;
   return *out = f, SKF_OK;
 }
 
@@ -254,6 +256,14 @@ static void eval_solids(const skf_field *f, size_t n, const double *const p[3], 
   size_t step = share < SKF_SOLID_POINTS ? (share + 7) / 8 * 8 : SKF_SOLID_POINTS;
 #pragma omp parallel for schedule(dynamic) if (n > 1 && n * faces >= 2048)
   for (size_t from = 0; from < n; from += step) add_solids(f, from, n - from < step ? n - from : step, p, out);
+}
+
+void skf_field_point(const skf_field *f, skf_vec3 p, double out[4]) {
+  if (f->lone) return f->lone(f->batch.tile, p, out);
+  if (f->plain == f->n && f->far_count == 0) return skf_batch_at(&f->batch, p, false, out);
+  const double *const at[3] = {&p.x, &p.y, &p.z};
+  double *const g[3] = {out + 1, out + 2, out + 3};
+  skf_field_eval(f, 1, at, out, g, NULL);
 }
 
 skf_status skf_field_eval(const skf_field *f, size_t n, const double *const p[3], double *F, double *const g[3],

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Sums over some of a field's elements. */
+/* Fields for the rooms next door: sums over some of the elements, one point in a hurry. */
 #ifndef SKF_FIELD_SOME_H
 #define SKF_FIELD_SOME_H
 
@@ -11,5 +11,9 @@ const skf_prepared *skf_field_prepared(const skf_field *field);
 /* Value and gradient at p of n elements of a field; *size: the sum of their magnitudes. Plain sums: the rounding is
    that of n additions. */
 double skf_field_some(const skf_field *field, const uint32_t *which, size_t n, skf_vec3 p, skf_vec3 *g, double *size);
+
+/* F and the gradient at one point, out[0] and out[1..3], with the bits of skf_field_eval; for callers that have one
+   point at a time, and no time: a sum of up to eight elements of one form costs little more than its formula. */
+void skf_field_point(const skf_field *field, skf_vec3 p, double out[4]);
 
 #endif

@@ -61,8 +61,8 @@ static double length_at(const skf_world *w, skf_vec3 p) {
 
 static double first_step(const skf_flight *f) {
   skf_vec3 a = {0, 0, 0};
-  double noise, L = length_at(f->world, f->orbit.x), v = v3_norm(f->orbit.v);
-  skf_world_force(f->world, f->orbit.t, f->orbit.x, &a, &noise);
+  double L = length_at(f->world, f->orbit.x), v = v3_norm(f->orbit.v);
+  skf_world_force(f->world, f->orbit.t, f->orbit.x, &a, NULL);
   double h = FIRST_STEP * fmin(L / v, sqrt(L / v3_norm(a)));
   return isfinite(h) && h > 0 ? h : 1;
 }

@@ -68,7 +68,7 @@ static const double binomial[TERMS][TERMS] = {
 typedef struct gauss_radau {
   double h, done;              /* next step, last step (0: none) */
   skf_vec3 a0;                 /* acceleration at the start of the next step */
-  double noise;                /* rounding error of accelerations */
+  double noise;                /* rounding error of accelerations, from some of the nodes */
   skf_vec3 b[TERMS], e[TERMS]; /* of the last step, and what had been predicted for it */
   skf_orbit from;              /* start of the last step */
   skf_vec3 from_a;
@@ -115,10 +115,10 @@ static bool sweep(gauss_radau *w, skf_ode *ode, double h, skf_vec3 b[TERMS], skf
   *size = largest(w->a0);
   for (int n = 1; n < NODES; n++) {
     skf_vec3 a, x = displacement(b, w->a0, w->from.v, h, node[n]);
-    double noise;
+    double noise = 0;
     x = v3_add(w->from.x, v3_add(w->from.x_low, v3_mad(x, h * node[n], w->from.v_low)));
     ode->evaluations++;
-    if (!ode->eval(ode->user, clock_add(w->from.t, h * node[n]), x, &a, &noise)) return false;
+    if (!ode->eval(ode->user, clock_add(w->from.t, h * node[n]), x, &a, n % 3 == 1 ? &noise : NULL)) return false;
     w->noise = fmax(w->noise, noise);
     *size = fmax(*size, largest(a));
     skf_vec3 d = v3_scale(inverse[n][0], v3_sub(a, w->a0));
@@ -194,7 +194,7 @@ static bool meets(const gauss_radau *w, double h, double size, double tolerance,
 static double attempt(gauss_radau *w, skf_ode *ode, double h, double tolerance, skf_orbit *at) {
   gauss_radau before = *w;
   skf_vec3 b[TERMS], e[TERMS];
-  double size, noise;
+  double size;
   predict(w, h / w->done, b, e);
   if (!solve(w, ode, h, b, &size)) return 0.25;
   double q = share(w, b, h, size, tolerance);
@@ -206,7 +206,7 @@ static double attempt(gauss_radau *w, skf_ode *ode, double h, double tolerance, 
   skf_orbit next = *at;
   finish(w, h, &next);
   ode->evaluations++;
-  bool finite = ode->eval(ode->user, next.t, v3_add(next.x, next.x_low), &w->a0, &noise);
+  bool finite = ode->eval(ode->user, next.t, v3_add(next.x, next.x_low), &w->a0, NULL);
   if (!finite || !meets(w, h, size, tolerance, w->a0)) return *w = before, 0.25;
   return *at = next, q;
 }

@@ -6,8 +6,8 @@
 #include "skelfield/motion.h"
 #include "motion/path.h"
 
-/* x'' = a(t, x). `eval` returns false where the acceleration is not finite; *noise is the size of its rounding error.
- */
+/* x'' = a(t, x). `eval` returns false where the acceleration is not finite; *noise, if asked for, is the size of its
+   rounding error. */
 typedef struct skf_ode {
   bool (*eval)(const void *user, skf_clock t, skf_vec3 x, skf_vec3 *a, double *noise);
   const void *user;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Bodies that attract: frames, forces, potentials. */
 #include "core/alloc.h"
+#include "field/some.h"
 #include "motion/world.h"
 #include <float.h>
 #include <string.h>
@@ -110,19 +111,23 @@ skf_vec3 skf_turn_point(const skf_turn *r, double sign, skf_vec3 p) {
 
 bool skf_world_force(const skf_world *w, skf_clock t, skf_vec3 p, skf_vec3 *a, double *noise) {
   skf_vec3 sum = {0, 0, 0};
-  double rough = 0;
+  double rough = 0, v[4];
   for (size_t i = 0; i < w->n; i++) {
     const skf_world_body *b = w->bodies + i;
     if (b->is.gain == 0) continue;
-    skf_turn r = skf_turn_at(b, t);
-    skf_vec3 g, q = skf_turn_point(&r, -1, p);
-    double F = skf_field_at(b->is.field, q, &g), size = b->radius + v3_dist(q, b->center);
-    if (!isfinite(F)) return false;
+    skf_turn r = {.on = false};
+    if (b->rate != 0) r = skf_turn_at(b, t);
+    skf_vec3 q = skf_turn_point(&r, -1, p);
+    skf_field_point(b->is.field, q, v);
+    if (!isfinite(v[0])) return false;
+    skf_vec3 g = v3(v[1], v[2], v[3]);
     sum = v3_mad(sum, b->is.gain, skf_turn_vector(&r, 1, g));
-    rough += fabs(b->is.gain) * (v3_norm(g) + (b->radius > 0 ? fabs(F) / size : 0));
+    if (!noise) continue;
+    double size = b->radius + v3_dist(q, b->center);
+    rough += fabs(b->is.gain) * (v3_norm(g) + (b->radius > 0 ? fabs(v[0]) / size : 0));
   }
   *a = sum;
-  *noise = DBL_EPSILON * rough;
+  if (noise) *noise = DBL_EPSILON * rough;
   return v3_finite(sum);
 }
 
@@ -160,8 +165,7 @@ double skf_world_leap(const skf_world *w, skf_vec3 p) {
 static skf_clock clock_of(double t) { return (skf_clock){t, 0}; }
 
 double skf_world_at(const skf_world *w, double t, skf_vec3 p, skf_vec3 *a) {
-  double noise;
-  if (a && !skf_world_force(w, clock_of(t), p, a, &noise)) *a = v3(NAN, NAN, NAN);
+  if (a && !skf_world_force(w, clock_of(t), p, a, NULL)) *a = v3(NAN, NAN, NAN);
   return skf_world_potential(w, clock_of(t), p, NULL);
 }
 

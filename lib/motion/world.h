@@ -44,7 +44,8 @@ skf_vec3 skf_turn_point(const skf_turn *r, double sign, skf_vec3 p);
 /* Whether every body's field has bounds, which contact needs. */
 bool skf_world_has_bound(const skf_world *world);
 
-/* Acceleration of a particle; *noise bounds its rounding error from above, roughly. False when not finite. */
+/* Acceleration of a particle; *noise, if asked for, bounds its rounding error from above, roughly. False when not
+   finite. With the bits of skf_field_eval. */
 bool skf_world_force(const skf_world *world, skf_clock t, skf_vec3 p, skf_vec3 *a, double *noise);
 /* Potential energy per unit mass, and the sum of its terms' magnitudes. */
 double skf_world_potential(const skf_world *world, skf_clock t, skf_vec3 p, double *magnitude);

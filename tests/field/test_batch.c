@@ -3,6 +3,7 @@
 #include "check.h"
 #include "core/vec3.h"
 #include "field/batch.h"
+#include "field/some.h"
 #include "random.h"
 #include "skelfield/field.h"
 #include <omp.h>
@@ -150,6 +151,37 @@ static void test_place(void **state) {
   }
 }
 
+static void same_point(const skf_field *f, cloud *c) {
+  eval(f, 0, POINTS, c);
+  for (size_t i = 0; i < POINTS; i++) {
+    double v[4];
+    skf_field_point(f, place(c, i), v);
+    assert_true(v[0] == c->F[i] && v[1] == c->g[0][i] && v[2] == c->g[1][i] && v[3] == c->g[2][i]);
+  }
+}
+
+/* skf_field_point is a batch of one: for each pair, alone and several times, and for all together. */
+static void test_point(void **state) {
+  (void)state;
+  uint64_t seed = 14;
+  static cloud a;
+  skf_element e[SKF_KERNEL_COUNT * SKF_SHAPE_COUNT], copies[9];
+  size_t n = everything(&seed, e);
+  for (int isa = 0; isa < ISAS; isa++)
+    for (size_t k = 0; k <= n; k++) {
+      scatter(&seed, &e[k < n ? k : 0].primitive, 1, &a);
+      for (size_t j = 0; j < 9; j++) {
+        copies[j] = e[k < n ? k : 0];
+        if (j) rnd_primitive(&seed, copies[j].primitive.shape, 1, &copies[j].primitive);
+      }
+      for (size_t m = 1; m < 10; m += 4) {
+        skf_field *f = k < n ? make(isas[isa], copies, m) : make(isas[isa], e, n);
+        same_point(f, &a);
+        skf_field_free(f);
+      }
+    }
+}
+
 /* Without vector instructions a batch is the single point, bit for bit; the Hessian always is. */
 static void test_scalar(void **state) {
   (void)state;
@@ -177,6 +209,6 @@ static void test_scalar(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_isas), cmocka_unit_test(test_place),
-                                     cmocka_unit_test(test_scalar)};
+                                     cmocka_unit_test(test_point), cmocka_unit_test(test_scalar)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
