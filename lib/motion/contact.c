@@ -5,6 +5,7 @@
    to pieces on which F changes by no more than its rounding error: those stay in doubt. A contact is where the path is
    inside beyond doubt, and before that was outside or in doubt since it was. */
 #include "motion/contact.h"
+#include "motion/view.h"
 #include <float.h>
 #include <stdint.h>
 
@@ -14,91 +15,26 @@
    believed to go on like that: it would take some 1e8 of them. */
 #define PATIENCE 1000
 
-/* A path seen from a body. */
-typedef struct view {
-  const skf_world_body *b;
-  const skf_path *path;
-  double omega; /* turn per unit of s */
+/* The search along a path as one body sees it. */
+typedef struct hunt {
+  skf_view view;
+  double from;
   int side;     /* where the path was last beyond doubt: 1 inside, -1 outside, 0 not known */
   bool doubt;   /* it is in doubt now, */
   double since; /* from here on */
   skf_search_report *report;
-} view;
+} hunt;
 
-static skf_clock time_at(const view *v, double s) { return clock_add(v->path->t0, s * v->path->h); }
+static double level(const hunt *v, double s) { return skf_view_level(&v->view, s); }
 
-static double level(const view *v, double s) {
-  skf_turn r = skf_turn_at(v->b, time_at(v, s));
-  skf_vec3 q = skf_turn_point(&r, -1, skf_path_position(v->path, s));
-  return skf_field_at(v->b->is.field, q, NULL) - v->b->is.iso;
-}
+static void settle(hunt *v, int side) { v->side = side, v->doubt = false; }
 
-/* Rounding error of F - iso at q, seen from the inertial place x; what is infinite is surely not iso. */
-static double noise(const skf_world_body *b, double F, skf_vec3 g, skf_vec3 q, skf_vec3 x) {
-  if (!isfinite(F)) return 0;
-  double value = 16 * DBL_EPSILON * (fabs(F) + fabs(b->is.iso));
-  return value + 8 * DBL_EPSILON * v3_norm(g) * (v3_norm(q) + v3_norm(x));
-}
-
-/* A crossing in [a, b] with f(a) < 0 <= f(b), by Chandrupatla's method, until F - iso is zero or the bracket is as
-   narrow as s allows. */
-static double polish(const view *v, double a, double b) {
-  double fa = level(v, a), fb = level(v, b), c = a, fc = fa, t = 0.5;
-  for (int i = 0; i < 100 && fb != 0 && fa != 0; i++) {
-    double x = a + t * (b - a);
-    if (!(x > fmin(a, b) && x < fmax(a, b))) break;
-    double fx = level(v, x);
-    if ((fx < 0) == (fa < 0)) {
-      c = a, fc = fa;
-    } else {
-      c = b, fc = fb;
-      b = a, fb = fa;
-    }
-    a = x, fa = fx;
-    double xi = (a - b) / (c - b), phi = (fa - fb) / (fc - fb), tiny = DBL_EPSILON / fabs(b - a);
-    bool smooth = phi * phi < xi && (1 - phi) * (1 - phi) < 1 - xi;
-    t = smooth ? fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb) : 0.5;
-    t = fmin(1 - tiny, fmax(tiny, t));
-    if (!(tiny < 0.5)) break;
-  }
-  return fabs(fa) < fabs(fb) ? a : b;
-}
-
-/* What is known of F - iso on a piece of the path. */
-typedef struct model {
-  double f, slope, bend; /* at the middle, d/ds there, bound of |d2/ds2| */
-  double rough;          /* rounding error of f */
-  int side;              /* -1, 1: surely outside or inside all along */
-} model;
-
-static model look(const view *v, double middle, double half) {
-  const skf_world_body *b = v->b;
-  skf_piece p = skf_path_piece(v->path, middle, half);
-  skf_turn r = skf_turn_at(b, time_at(v, middle));
-  skf_vec3 arm = v3_sub(p.x, b->is.spin.about), q = skf_turn_point(&r, -1, p.x), g;
-  double w = fabs(v->omega), reach = w > 0 ? v3_norm(arm) + p.speed * half : 0;
-  double speed = p.speed + w * reach, bend = p.bend + w * (2 * p.speed + w * reach);
-  double radius = speed * half * (1 + 1e-12); /* the bound of the speed is rounded */
-  if (b->walled && v3_dist(q, b->wall_center) > b->wall_radius + radius) return (model){.side = -1};
-  skf_bound bound = skf_field_bound(b->is.field, q, radius);
-  v->report->bounds++;
-  if (bound.hi < b->is.iso || bound.lo > b->is.iso) return (model){.side = bound.hi < b->is.iso ? -1 : 1};
-  double F = skf_field_at(b->is.field, q, &g);
-  skf_vec3 d = v3_mad(p.d1, -v->omega, v3_cross(b->axis, arm));
-  model m = {F - b->is.iso, v3_dot(g, skf_turn_vector(&r, -1, d)), 0, noise(b, F, g, q, p.x), 0};
-  m.bend = bound.hessian * speed * speed + bound.gradient * bend;
-  if (fabs(m.f) > fabs(m.slope) * half + 0.5 * m.bend * half * half + m.rough) m.side = m.f < 0 ? -1 : 1;
-  return m;
-}
-
-static void settle(view *v, int side) { v->side = side, v->doubt = false; }
-
-static void doubt(view *v, double s) {
+static void doubt(hunt *v, double s) {
   if (!v->doubt) v->doubt = true, v->since = s;
 }
 
 /* What level f tells at s. */
-static void weigh(view *v, double f, double rough, double s) {
+static void weigh(hunt *v, double f, double rough, double s) {
   if (fabs(f) > rough)
     settle(v, f < 0 ? -1 : 1);
   else
@@ -106,44 +42,72 @@ static void weigh(view *v, double f, double rough, double s) {
 }
 
 /* Where the path came in, that is inside beyond doubt at or behind b, and was outside before a or the doubt. */
-static double entry(const view *v, double a, double b) {
-  if (level(v, a) < 0) return polish(v, a, b);
+static double entry(const hunt *v, double a, double b) {
+  if (level(v, a) < 0) return skf_view_polish(&v->view, a, b);
   double from = v->doubt ? v->since : a;
-  return level(v, from) < 0 ? polish(v, from, a) : from;
+  return level(v, from) < 0 ? skf_view_polish(&v->view, from, a) : from;
+}
+
+/* -1, 1: the piece is outside or inside; 0: not known, and unless *enough m is a model of it. */
+static int tell(const hunt *v, skf_glance *m, double half, bool *enough) {
+  int side = skf_view_side(&v->view, m, enough);
+  if (side || *enough) return side;
+  if (!skf_view_measure(&v->view, m, half, 0)) return m->hi < 0 ? -1 : 1;
+  return m->lo > 0 ? 1 : m->hi < 0 ? -1 : 0;
+}
+
+/* What the start is: in doubt it counts as outside. */
+static void begin(hunt *v) {
+  skf_sight at = skf_view_at(&v->view, v->from);
+  v->side = -1;
+  weigh(v, at.f, at.rough, v->from);
 }
 
 /* The first entry in [a, b]; false when there is none. */
-static bool search(view *v, double a, double b, int depth, double *s) {
+static bool search(hunt *v, double a, double b, int depth, double *s) {
   double half = 0.5 * (b - a), middle = a + half;
-  model m = look(v, middle, half);
-  if (m.side < 0) return settle(v, -1), false;
-  if (v->side == 0) { /* the path begins in this piece; what begins in doubt comes from outside */
-    v->side = -1;
-    weigh(v, level(v, 0), m.rough, 0);
-  }
-  if (m.side > 0 && v->side < 0) return *s = entry(v, a, a), true;
-  if (m.side > 0) return settle(v, 1), false;
-  if (fabs(m.slope) > m.bend * half) { /* monotone */
+  bool enough;
+  skf_glance m = skf_view_place(&v->view, middle, half);
+  int side = tell(v, &m, half, &enough);
+  v->report->bounds++;
+  if (side < 0) return settle(v, -1), false;
+  if (v->side == 0) begin(v);
+  if (side > 0 && v->side < 0) return *s = entry(v, a, a), true;
+  if (side > 0) return settle(v, 1), false;
+  if (!enough && fabs(m.slope) > m.second * half) { /* monotone */
     double end = level(v, b);
     if (v->side < 0 && end > m.rough) return *s = entry(v, a, b), true;
     return weigh(v, end, m.rough, a), false;
   }
-  bool floor = depth == 0 || fabs(m.slope) * half + 0.5 * m.bend * half * half <= m.rough;
-  if (v->report->grazing > PATIENCE && fabs(m.f) + fabs(m.slope) * half <= m.rough) floor = true;
+  bool floor = depth == 0 || (!enough && fabs(m.slope) * half + 0.5 * m.second * half * half <= m.rough);
+  if (v->report->grazing > PATIENCE && !enough && fabs(m.f) + fabs(m.slope) * half <= m.rough) floor = true;
   if (floor) return doubt(v, a), v->report->grazing++, false;
   return search(v, a, middle, depth - 1, s) || search(v, middle, b, depth - 1, s);
 }
 
-skf_touch skf_contact_find(const skf_world *world, const skf_path *path, double s_end, size_t born, int from,
-                           skf_search_report *report) {
-  skf_touch first = {false, 0, s_end};
+/* Whether the whole path is outside, by a ball about its start: where it is far from a body that does not turn. */
+static bool passes(const skf_view *v, double reach) {
+  if (v->omega != 0 || (!v->b->walled && !v->tracer)) return false;
+  bool enough;
+  skf_vec3 x = v->path->x0;
+  skf_glance g = {.x = x, .q = x, .radius = reach + 16 * DBL_EPSILON * v3_norm(x)};
+  return skf_view_side(v, &g, &enough) < 0;
+}
+
+skf_touch skf_contact_find(const skf_world *world, const skf_hunt *how, skf_search_report *report) {
+  skf_touch first = {false, 0, how->to};
+  double reach = skf_path_reach(how->path);
   for (size_t i = 0; i < world->n; i++) {
-    const skf_world_body *b = world->bodies + i;
-    if (!b->surface) continue;
-    view v = {b, path, b->rate * path->h, born == i ? from : 0, born == i, 0, report};
+    if (!world->bodies[i].surface) continue;
+    int born = how->born == i ? how->side : 0;
+    hunt v = {skf_view_of(world, i, how->path), how->from, born, born != 0, how->from, report};
+    report->bounds++;
+    if (!how->fast && passes(&v.view, reach)) continue;
     double s;
-    if (search(&v, 0, first.s, DEPTH, &s) && (!first.found || s < first.s)) first = (skf_touch){true, i, s};
-    if (first.found && first.s == 0) break;
+    bool found =
+        how->fast ? skf_view_sample(&v.view, how->from, first.s, born, &s) : search(&v, how->from, first.s, DEPTH, &s);
+    if (found && (!first.found || s < first.s)) first = (skf_touch){true, i, s};
+    if (first.found && first.s == how->from) break;
   }
   return first;
 }
@@ -155,7 +119,7 @@ size_t skf_contact_born(const skf_world *world, skf_clock t, skf_vec3 p) {
     skf_turn r = skf_turn_at(b, t);
     skf_vec3 g, q = skf_turn_point(&r, -1, p);
     double F = skf_field_at(b->is.field, q, &g);
-    if (fabs(F - b->is.iso) <= 4 * noise(b, F, g, q, p)) return i;
+    if (fabs(F - b->is.iso) <= 4 * skf_view_noise(b, F, g, q, p)) return i;
   }
   return SIZE_MAX;
 }

@@ -16,12 +16,18 @@ typedef struct skf_search_report {
   size_t bounds, grazing;
 } skf_search_report;
 
-/* The first s in [0, s_end] where the path goes from F < iso to F >= iso of any body. `born`: index of a body on whose
-   surface the path begins, or SIZE_MAX; `from` is the side that it comes from: -1 outside (a contact at s = 0 is then
-   one that goes inwards), 1 inside. Pieces of the
-   path that are within rounding of a surface and then leave it are no contacts; the report counts them as grazing. */
-skf_touch skf_contact_find(const skf_world *world, const skf_path *path, double s_end, size_t born, int from,
-                           skf_search_report *report);
+/* Where to look on a path. */
+typedef struct skf_hunt {
+  const skf_path *path;
+  double from, to; /* of s */
+  size_t born;     /* a body on whose surface the path is at `from`, or SIZE_MAX */
+  int side;        /* from where it came there: -1 outside (a contact right there is then one that goes inwards), 1 */
+  bool fast;       /* by samples, see skf_search */
+} skf_hunt;
+
+/* The first s where the path goes from F < iso to F >= iso of any body. Pieces of the path that are within rounding of
+   a surface and then leave it are no contacts; the report counts them as grazing. */
+skf_touch skf_contact_find(const skf_world *world, const skf_hunt *how, skf_search_report *report);
 
 /* Index of a body on whose surface p lies up to rounding, SIZE_MAX when there is none. */
 size_t skf_contact_born(const skf_world *world, skf_clock t, skf_vec3 p);

@@ -4,6 +4,8 @@
 #include "core/alloc.h"
 #include "motion/contact.h"
 #include "motion/integrator.h"
+#include "motion/scout.h"
+#include "motion/view.h"
 #include <float.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -16,12 +18,19 @@
 
 typedef enum fate { FLIES, STOPPED, RIDES, ABSORBED } fate;
 
+/* The closest approach so far. */
+typedef struct nearest {
+  skf_sight best;
+  skf_approach is;
+} nearest;
+
 struct skf_flight {
   const skf_world *world;
   skf_flight_options options;
   const skf_integrator_ops *ops;
   void *work;
   skf_ode ode;
+  nearest *near; /* of each body, or NULL; kept by skf_flight_save, too */
   /* From here on: what skf_flight_save keeps. */
   skf_orbit orbit;     /* at the end of the last step, after its contact */
   skf_clock from;      /* start of the last step */
@@ -43,7 +52,7 @@ static bool force(const void *user, skf_clock t, skf_vec3 x, skf_vec3 *a, double
 
 static bool sound(const skf_flight_options *o) {
   if (!(o->tolerance > 0 && o->tolerance <= 0.1) || !(o->max_step > 0)) return false;
-  if ((unsigned)o->contact >= SKF_CONTACT_COUNT) return false;
+  if ((unsigned)o->contact >= SKF_CONTACT_COUNT || (unsigned)o->search > SKF_SEARCH_FAST) return false;
   if (o->contact != SKF_CONTACT_BOUNCE) return true;
   return o->restitution >= 0 && o->restitution <= 1 && o->friction >= 0 && isfinite(o->friction);
 }
@@ -105,11 +114,16 @@ skf_status skf_flight_new(const skf_world *world, const skf_flight_options *opti
   if (o.max_step == 0) o.max_step = INFINITY;
   const skf_integrator_ops *ops = skf_integrator_row(o.integrator);
   if (!ops || !sound(&o)) return SKF_ERR_ARG;
-  if (o.contact != SKF_CONTACT_NONE && !skf_world_has_bound(world)) return SKF_ERR_UNSUPPORTED;
+  bool certified = o.approach || (o.contact != SKF_CONTACT_NONE && o.search == SKF_SEARCH_CERTIFIED);
+  if (certified && !skf_world_has_bound(world)) return SKF_ERR_UNSUPPORTED;
   if (!isfinite(start->t) || !v3_finite(start->position) || !v3_finite(start->velocity)) return SKF_ERR_RANGE;
+  skf_status sent = certified ? skf_scout_send(world) : SKF_OK;
+  if (sent) return sent;
   skf_flight *f = skf_alloc(1, sizeof *f);
   if (f) f->work = skf_alloc(1, ops->work_size);
-  if (!f || !f->work) return skf_flight_free(f), SKF_ERR_NOMEM;
+  if (f && o.approach) f->near = skf_alloc(world->n, sizeof *f->near);
+  if (!f || !f->work || (o.approach && !f->near)) return skf_flight_free(f), SKF_ERR_NOMEM;
+  for (size_t i = 0; i < world->n && f->near; i++) f->near[i].best.f = -INFINITY;
   f->world = world, f->options = o, f->ops = ops;
   f->ode = (skf_ode){force, world, 0};
   f->orbit = (skf_orbit){.t = {start->t, 0}, .x = start->position, .v = start->velocity};
@@ -123,26 +137,32 @@ skf_status skf_flight_new(const skf_world *world, const skf_flight_options *opti
 }
 
 void skf_flight_free(skf_flight *f) {
-  if (f) skf_free(f->work);
+  if (f) skf_free(f->work), skf_free(f->near);
   skf_free(f);
 }
 
 enum { KEPT = sizeof(skf_flight) - offsetof(skf_flight, orbit) };
 
-size_t skf_flight_state_size(const skf_flight *f) { return KEPT + sizeof f->ode.evaluations + f->ops->work_size; }
+static size_t near_size(const skf_flight *f) { return f->near ? f->world->n * sizeof *f->near : 0; }
+
+size_t skf_flight_state_size(const skf_flight *f) {
+  return KEPT + sizeof f->ode.evaluations + f->ops->work_size + near_size(f);
+}
 
 void skf_flight_save(const skf_flight *f, void *bytes) {
   char *to = bytes;
-  memcpy(to, (const char *)f + offsetof(skf_flight, orbit), KEPT);
-  memcpy(to + KEPT, &f->ode.evaluations, sizeof f->ode.evaluations);
-  memcpy(to + KEPT + sizeof f->ode.evaluations, f->work, f->ops->work_size);
+  memcpy(to, (const char *)f + offsetof(skf_flight, orbit), KEPT), to += KEPT;
+  memcpy(to, &f->ode.evaluations, sizeof f->ode.evaluations), to += sizeof f->ode.evaluations;
+  memcpy(to, f->work, f->ops->work_size), to += f->ops->work_size;
+  if (f->near) memcpy(to, f->near, near_size(f));
 }
 
 void skf_flight_load(skf_flight *f, const void *bytes) {
   const char *from = bytes;
-  memcpy((char *)f + offsetof(skf_flight, orbit), from, KEPT);
-  memcpy(&f->ode.evaluations, from + KEPT, sizeof f->ode.evaluations);
-  memcpy(f->work, from + KEPT + sizeof f->ode.evaluations, f->ops->work_size);
+  memcpy((char *)f + offsetof(skf_flight, orbit), from, KEPT), from += KEPT;
+  memcpy(&f->ode.evaluations, from, sizeof f->ode.evaluations), from += sizeof f->ode.evaluations;
+  memcpy(f->work, from, f->ops->work_size), from += f->ops->work_size;
+  if (f->near) memcpy(f->near, from, near_size(f));
 }
 
 /* What the contact does to the flight: its new fate and velocity. */
@@ -194,6 +214,34 @@ static skf_status know_path(skf_flight *f) {
   return s;
 }
 
+static skf_touch look_for_contact(skf_flight *f) {
+  if (f->options.contact == SKF_CONTACT_NONE) return (skf_touch){.found = false};
+  skf_search_report search = {0};
+  skf_hunt hunt = {&f->path, 0, 1, f->body, f->within ? 1 : -1, f->options.search == SKF_SEARCH_FAST};
+  skf_touch at = skf_contact_find(f->world, &hunt, &search);
+  f->report.bounds += search.bounds, f->report.grazing += search.grazing;
+  f->body = SIZE_MAX;
+  return at;
+}
+
+/* Along the last step up to s_end. */
+static void watch(skf_flight *f, double s_end) {
+  for (size_t i = 0; i < f->world->n; i++) {
+    nearest *n = f->near + i;
+    skf_view v = skf_view_of(f->world, i, &f->path);
+    double before = n->best.f;
+    skf_view_summit(&v, 0, s_end, &n->best);
+    if (n->best.f == before) continue;
+    n->is = (skf_approach){clock_add(f->path.t0, n->best.s * f->path.h).hi, skf_path_position(&f->path, n->best.s),
+                           n->best.f, n->best.f < 0 ? -n->best.f / n->best.steep : 0};
+  }
+}
+
+skf_status skf_flight_approach(const skf_flight *f, size_t body, skf_approach *out) {
+  if (!f->near || body >= f->world->n || !(f->near[body].best.f > -INFINITY)) return SKF_ERR_ARG;
+  return *out = f->near[body].is, SKF_OK;
+}
+
 skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
   skf_step_control control = {f->options.tolerance, longest_step(f)};
   if (touched) *touched = false;
@@ -207,13 +255,11 @@ skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
   f->report.h_max = fmax(f->report.h_max, h);
   f->from = before.t;
   f->stepped = true, f->dense = false;
-  if (f->options.contact == SKF_CONTACT_NONE) return SKF_OK;
+  if (f->options.contact == SKF_CONTACT_NONE && !f->near) return SKF_OK;
   s = know_path(f);
   if (s) return s;
-  skf_search_report search = {0};
-  skf_touch at = skf_contact_find(f->world, &f->path, 1, f->body, f->within ? 1 : -1, &search);
-  f->report.bounds += search.bounds, f->report.grazing += search.grazing;
-  f->body = SIZE_MAX;
+  skf_touch at = look_for_contact(f);
+  if (f->near && f->report.contacts == 0) watch(f, at.found ? at.s : 1);
   if (!at.found) return SKF_OK;
   skf_contact c;
   bool silent;

@@ -10,6 +10,18 @@ static skf_vec3 horner(const skf_vec3 *c, int n, double s) {
 skf_vec3 skf_path_position(const skf_path *p, double s) { return v3_add(p->x0, horner(p->x, p->degree, s)); }
 skf_vec3 skf_path_velocity(const skf_path *p, double s) { return v3_add(p->v0, horner(p->v, p->degree, s)); }
 
+skf_vec3 skf_path_rate(const skf_path *p, double s) {
+  skf_vec3 r = {0, 0, 0};
+  for (int k = p->degree; k-- > 0;) r = v3_mad(v3_scale(k + 1, p->x[k]), s, r);
+  return r;
+}
+
+double skf_path_reach(const skf_path *p) {
+  double r = 0;
+  for (int k = 0; k < p->degree; k++) r += v3_norm(p->x[k]);
+  return r * (1 + 1e-12);
+}
+
 skf_piece skf_path_piece(const skf_path *p, double middle, double half) {
   skf_vec3 c[SKF_PATH_DEGREE + 1] = {{0, 0, 0}}; /* coefficients about the middle */
   int n = p->degree;

@@ -19,6 +19,12 @@ typedef struct skf_path {
 skf_vec3 skf_path_position(const skf_path *p, double s);
 skf_vec3 skf_path_velocity(const skf_path *p, double s);
 
+/* dx/ds, of the polynomial x itself: v may be another one. */
+skf_vec3 skf_path_rate(const skf_path *p, double s);
+
+/* A bound of |x(s) - x0| for s in [0, 1]. */
+double skf_path_reach(const skf_path *p);
+
 /* The path about s = middle: position, derivatives with respect to s, and bounds over |s - middle| <= half. */
 typedef struct skf_piece {
   skf_vec3 x, d1;     /* x(middle), dx/ds(middle) */

@@ -30,19 +30,23 @@ static ground feel(const skf_world *world, const skf_world_body *b, skf_clock t,
   return (ground){curve / v3_norm(g) - out, v3_norm(v3_mad(a, -out, n)), size};
 }
 
+/* What friction leaves of a velocity along the surface, after a normal impulse. */
+static skf_vec3 rub(skf_vec3 along, double loss) {
+  double slip = v3_norm(along);
+  return loss < slip ? v3_scale(1 - loss / slip, along) : v3(0, 0, 0);
+}
+
 skf_outcome skf_contact_rebound(const skf_world *world, const skf_world_body *b, const skf_flight_options *options,
                                 skf_clock t, skf_vec3 p, skf_vec3 n, skf_vec3 before, skf_vec3 *after) {
   skf_vec3 ground_speed = skf_body_velocity(b, p), w = v3_sub(before, ground_speed);
-  double in = fmax(-v3_dot(w, n), 0), e = options->restitution, up = e * in;
-  skf_vec3 along = v3_mad(w, -v3_dot(w, n), n);
-  double slip = v3_norm(along), loss = options->friction * (1 + e) * in;
-  along = loss < slip ? v3_scale(1 - loss / slip, along) : v3(0, 0, 0);
-  slip = fmax(slip - loss, 0);
+  double in = fmax(-v3_dot(w, n), 0), e = options->restitution, mu = options->friction, up = e * in;
+  skf_vec3 slip = v3_mad(w, -v3_dot(w, n), n), along = rub(slip, mu * (in + up));
   skf_outcome outcome = SKF_OUTCOME_BOUNCE;
   ground f = feel(world, b, t, p, n, along);
   double hop = f.pull > 0 ? sqrt(2 * f.pull * (e < 1 ? HOP : HOP_ELASTIC) * f.size) : 0;
-  if (up < hop) {
-    bool held = slip <= hop && f.drag <= options->friction * f.pull;
+  if (up < hop) { /* the impulse of a hop is that of the weight while it lasts: so is its friction */
+    along = rub(slip, mu * (in + hop));
+    bool held = v3_norm(along) <= hop && f.drag <= mu * f.pull;
     outcome = held ? SKF_OUTCOME_REST : SKF_OUTCOME_SLIDE;
     up = held ? 0 : hop;
     if (held) along = v3(0, 0, 0);

@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "field/some.h"
 #include "motion/world.h"
+#include "motion/scout.h"
 #include <float.h>
 #include <string.h>
 
@@ -69,8 +70,8 @@ static skf_status set(skf_world_body *b, const skf_attractor *from) {
 skf_status skf_world_new(const skf_attractor *bodies, size_t n, skf_world **out) {
   *out = NULL;
   skf_world *w = skf_alloc(1, sizeof *w);
-  if (w) w->bodies = skf_alloc(n, sizeof *w->bodies);
-  if (!w || !w->bodies) return skf_world_free(w), SKF_ERR_NOMEM;
+  if (w) w->bodies = skf_alloc(n, sizeof *w->bodies), w->scout = skf_scout_new(n);
+  if (!w || !w->bodies || !w->scout) return skf_world_free(w), SKF_ERR_NOMEM;
   w->n = n;
   for (size_t i = 0; i < n; i++) {
     skf_status s = set(w->bodies + i, bodies + i);
@@ -81,7 +82,7 @@ skf_status skf_world_new(const skf_attractor *bodies, size_t n, skf_world **out)
 }
 
 void skf_world_free(skf_world *w) {
-  if (w) skf_free(w->bodies);
+  if (w) skf_free(w->bodies), skf_scout_free(w->scout);
   skf_free(w);
 }
 

@@ -20,6 +20,8 @@ typedef struct skf_world_body {
   double wall_radius;
 } skf_world_body;
 
+typedef struct skf_scout skf_scout; /* motion/scout.h */
+
 struct skf_world {
   size_t n;
   skf_world_body *bodies;
@@ -27,6 +29,7 @@ struct skf_world {
   bool alike;           /* all bodies spin alike: there is a Jacobi constant */
   bool axial;           /* everything is symmetric about one axis, */
   skf_vec3 axis, about; /* this one */
+  skf_scout *scout;
 };
 
 /* A rotation at one instant: angle about an axis through a point. */

@@ -45,28 +45,27 @@ static void *take(skf_octree *t, size_t bytes) {
   return p;
 }
 
-/* What is known of F in the ball around a cell. */
-typedef struct outlook {
-  double lo, hi, slope, bend, fourth;
-} outlook;
+bool skf_octree_add(const skf_octree *t, uint32_t i, skf_vec3 c, double radius, skf_outlook *o) {
+  const skf_source *s = t->sources + i;
+  double d = skf_source_distance(s, c), w = fmax(fabs(s->least), fabs(s->most));
+  skf_grade g = skf_source_grade(s, fmax(d * (1 - 1e-12) - radius, 0), d * (1 + 1e-12) + radius);
+  if (s->disc && d < s->reach) g.below = fmax(g.below, skf_source_disc(s, c, radius));
+  if (s->sheet && d < s->reach) g.above.slope = fmin(g.above.slope, skf_source_steepness(s, c, radius));
+  if (s->bulk && d < s->reach) g.above = skf_source_bulk(s, c, radius);
+  if (!(g.above.value > 0)) return false;
+  o->lo += skf_weight_times(s->least, s->least > 0 ? g.below : g.above.value);
+  o->hi += skf_weight_times(s->most, s->most > 0 ? g.above.value : g.below);
+  o->slope += w * g.above.slope, o->bend += w * g.above.bend, o->fourth += w * g.above.fourth;
+  return true;
+}
 
-static outlook look_out(const skf_octree *t, skf_vec3 c, double radius, const skf_branch *in, uint32_t *kept,
-                        uint32_t *keep) {
-  outlook o = {0, 0, 0, 0, 0};
+/* The ball around a cell; *kept are the elements in reach. */
+static skf_outlook look_out(const skf_octree *t, skf_vec3 c, double radius, const skf_branch *in, uint32_t *kept,
+                            uint32_t *keep) {
+  skf_outlook o = {0, 0, 0, 0, 0};
   *keep = 0;
-  for (size_t i = 0; i < in->count; i++) {
-    const skf_source *s = t->sources + in->list[i];
-    double d = skf_source_distance(s, c), w = fmax(fabs(s->least), fabs(s->most));
-    skf_grade g = skf_source_grade(s, fmax(d * (1 - 1e-12) - radius, 0), d * (1 + 1e-12) + radius);
-    if (s->disc && d < s->reach) g.below = fmax(g.below, skf_source_disc(s, c, radius));
-    if (s->sheet && d < s->reach) g.above.slope = fmin(g.above.slope, skf_source_steepness(s, c, radius));
-    if (s->bulk && d < s->reach) g.above = skf_source_bulk(s, c, radius);
-    if (!(g.above.value > 0)) continue;
-    kept[(*keep)++] = in->list[i];
-    o.lo += skf_weight_times(s->least, s->least > 0 ? g.below : g.above.value);
-    o.hi += skf_weight_times(s->most, s->most > 0 ? g.above.value : g.below);
-    o.slope += w * g.above.slope, o.bend += w * g.above.bend, o.fourth += w * g.above.fourth;
-  }
+  for (size_t i = 0; i < in->count; i++)
+    if (skf_octree_add(t, in->list[i], c, radius, &o)) kept[(*keep)++] = in->list[i];
   return o;
 }
 
@@ -75,7 +74,7 @@ static int examine(const skf_octree *t, const skf_branch *in, int k, uint32_t *k
   double half = 0.5 * in->half, radius = 0.8660254037844387 * in->half * (1 + SLACK), made_of;
   leaf->center = v3(in->middle.x + (k & 1 ? half : -half), in->middle.y + (k & 2 ? half : -half),
                     in->middle.z + (k & 4 ? half : -half));
-  outlook o = look_out(t, leaf->center, radius, in, kept, keep);
+  skf_outlook o = look_out(t, leaf->center, radius, in, kept, keep);
   if (o.hi < t->iso) return SKF_CELL_OUTSIDE;
   if (o.lo > t->iso) return SKF_CELL_INSIDE;
   leaf->f = skf_field_some(t->field, kept, *keep, leaf->center, &leaf->g, &made_of) - t->iso;
@@ -129,6 +128,8 @@ skf_cell skf_octree_explore(skf_octree *t, skf_branch *in, int k) {
 }
 
 skf_branch *skf_octree_top(const skf_octree *t) { return t->all; }
+
+int skf_octree_beyond(const skf_octree *t) { return t->iso < 0 ? 1 : -1; }
 
 double skf_octree_least(const skf_octree *t) { return ldexp(t->all->half, -LEVELS); }
 

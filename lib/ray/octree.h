@@ -54,6 +54,18 @@ static inline skf_cell skf_octree_child(skf_octree *tree, skf_branch *branch, in
   return c ? c : skf_octree_explore(tree, branch, k);
 }
 
+/* What is known of F in a ball. */
+typedef struct skf_outlook {
+  double lo, hi;              /* of F */
+  double slope, bend, fourth; /* upper bounds of |grad F|, |Hess F|, |F''''| */
+} skf_outlook;
+
+/* Adds what the i-th element can be within `radius` of c; returns whether it is in reach. */
+bool skf_octree_add(const skf_octree *tree, uint32_t i, skf_vec3 c, double radius, skf_outlook *o);
+
+/* -1 or 1: beyond the cube everything is outside, or inside, of the surface. */
+int skf_octree_beyond(const skf_octree *tree);
+
 /* Edge of the smallest cells. */
 double skf_octree_least(const skf_octree *tree);
 

@@ -112,6 +112,14 @@ static skf_status read_contact(skf_reader *r, const skf_node *node, void *into) 
   return s;
 }
 
+static skf_status read_search(skf_reader *r, const skf_node *node, void *into) {
+  static const char *const modes[] = {[SKF_SEARCH_CERTIFIED] = "certified", [SKF_SEARCH_FAST] = "fast"};
+  int mode = SKF_SEARCH_CERTIFIED;
+  skf_status s = skf_read_choice(r, node, "search", modes, 2, &mode);
+  ((skf_simulation *)into)->search = (skf_search)mode;
+  return s;
+}
+
 static skf_status read_integrator(skf_reader *r, const skf_node *node, void *into) {
   char *out = ((skf_simulation *)into)->integrator;
   size_t size = sizeof((skf_simulation *)into)->integrator;
@@ -139,10 +147,12 @@ static const skf_key simulation_keys[] = {
      .offset = offsetof(skf_simulation, restitution), .range = &skf_fraction},
     {"friction", "1", "of a bounce, Coulomb's coefficient (default: 0)", SKF_KEY_NUMBER, false,
      .offset = offsetof(skf_simulation, friction), .range = &skf_not_negative},
+    {"search", NULL, "for contacts: misses none, or samples each step (default: certified)", SKF_KEY_OTHER,
+     .read = read_search, .form = "certified or fast"},
     {"integrator", NULL, "by name (default: the best for the tolerance)", SKF_KEY_OTHER, .read = read_integrator,
      .form = "an integrator's name"},
 };
-const skf_section skf_section_simulation = {"simulation", "how the particles fly", simulation_keys, 7};
+const skf_section skf_section_simulation = {"simulation", "how the particles fly", simulation_keys, 8};
 
 skf_status skf_read_simulation(skf_reader *r, const skf_node *map, void *into) {
   skf_simulation *sim = &((skf_scene *)into)->simulation;

@@ -26,6 +26,19 @@ typedef enum skf_contact_mode {
   SKF_CONTACT_COUNT
 } skf_contact_mode;
 
+/* How contacts are looked for. */
+typedef enum skf_search {
+  /* No contact is missed and none invented, up to rounding of F and of the places, on the path that the integrator's
+     dense output describes: pieces of the path are passed where bounds on the field keep the surface away from them,
+     and halved where they do not. What touches a surface too closely to decide is counted as `grazing`. Needs bounds
+     (skf_field_has_bound). */
+  SKF_SEARCH_CERTIFIED,
+  /* F and its slope at nine places of each step, and where a cubic between two of them peaks. Finds what stays inside
+     for an eighth of a step; promises nothing for what is thinner, such as spikes. A contact that it finds is as exact
+     as a certified one. Needs no bounds. */
+  SKF_SEARCH_FAST
+} skf_search;
+
 /* ---- Integrators ---- */
 
 /* A registered integrator. */
@@ -96,6 +109,8 @@ typedef struct skf_flight_options {
   double max_step;        /* [T]; 0: none */
   skf_contact_mode contact;
   double restitution, friction; /* of a bounce: restitution in [0, 1], friction >= 0 */
+  skf_search search;
+  bool approach; /* keep the closest approach to each body: see skf_flight_approach */
 } skf_flight_options;
 
 typedef enum skf_outcome {
@@ -120,6 +135,17 @@ typedef struct skf_contact {
   skf_outcome outcome;
 } skf_contact;
 
+/* Where a particle came closest to a body: the place of its path, up to its first contact, where F - iso of that body
+   is largest; the first of several. Found by branch and bound with the field's bounds: nowhere on the path is F - iso
+   larger by more than rounding. Its time and place are good to rounding where F has a maximum along the path whose
+   curvature tells. The surface's distance from it is estimated to first order. */
+typedef struct skf_approach {
+  double t;
+  skf_vec3 position; /* inertial */
+  double level;      /* F - iso [per kernel]; 0 at a contact, positive inside */
+  double distance;   /* -level / |grad F| [L] */
+} skf_approach;
+
 /* What a flight cost and how well it kept its invariants; a drift is NAN where the world has no such invariant.
    Drifts are the largest between two contacts, relative to the scale of skf_invariants (momentum: to |r| |v|). */
 typedef struct skf_flight_report {
@@ -133,7 +159,8 @@ typedef struct skf_flight_report {
 typedef struct skf_flight skf_flight;
 
 /* SKF_ERR_ARG for an unknown integrator or options out of range, SKF_ERR_RANGE for a start that is not finite,
-   SKF_ERR_UNSUPPORTED for contact where a body's field has no bounds (skf_field_has_bound). */
+   SKF_ERR_UNSUPPORTED for certified contact and for approaches where a body's field has no bounds
+   (skf_field_has_bound). */
 SKF_API skf_status skf_flight_new(const skf_world *world, const skf_flight_options *options, const skf_state *start,
                                   skf_flight **out);
 SKF_API void skf_flight_free(skf_flight *flight);
@@ -147,6 +174,31 @@ SKF_API void skf_flight_span(const skf_flight *flight, double *from, double *to)
 /* The state at a time in that span, from the dense output; after a contact at its end for t = to. */
 SKF_API skf_status skf_flight_at(skf_flight *flight, double t, skf_state *out);
 SKF_API skf_flight_report skf_flight_get_report(const skf_flight *flight);
+/* The closest approach to a body in the steps so far. SKF_ERR_ARG without option `approach` or before the first step;
+   a body without a surface has one, too. */
+SKF_API skf_status skf_flight_approach(const skf_flight *flight, size_t body, skf_approach *out);
+
+/* ---- One piece of path ---- */
+
+/* p(t) = position + velocity (t - t0) + acceleration (t - t0)^2 / 2, t0 being `t`: straight without acceleration. */
+typedef struct skf_ballistic {
+  double t;
+  skf_vec3 position, velocity, acceleration;
+} skf_ballistic;
+
+typedef enum skf_touching {
+  SKF_TOUCHING_NONE,
+  SKF_TOUCHING_AT_START, /* it begins on a surface, to rounding, and does not leave it outwards at once */
+  SKF_TOUCHING_LATER
+} skf_touching;
+
+/* The first contact in t0 <= t <= t1, that is where F - iso of a body goes from negative to positive along the path;
+   one that begins inside has none until it has left. Contacts are events of the motion: a later t0 or an earlier t1
+   changes none of those between, but for rounding of their times. *contact, if given, is filled where there is one,
+   with after = before. *grazing, if given, grows by the pieces that could not be decided. SKF_ERR_RANGE (not finite, t1
+   < t0), SKF_ERR_UNSUPPORTED (no bounds) or SKF_ERR_NOMEM. */
+SKF_API skf_status skf_world_touch(const skf_world *world, const skf_ballistic *motion, double t0, double t1,
+                                   skf_search search, skf_touching *touching, skf_contact *contact, size_t *grazing);
 
 /* ---- Runs: many particles, rows of output ---- */
 

@@ -65,6 +65,7 @@ typedef struct skf_simulation {
   double t_end, output_every, tolerance;
   skf_contact_mode contact;
   double restitution, friction;
+  skf_search search;
   char integrator[32]; /* name in the integrators' registry; empty: default */
 } skf_simulation;
 
