@@ -44,7 +44,7 @@ typedef struct skf_batch_form {
      else to lane 0 what `add` adds, so that it comes to the same bits */
   void (*at)(const skf_tile *t, skf_vec3 p, bool exact, skf_point_sum *sum);
   /* all there is to one point of a batch of this tile only, to the same bits: out[0] = F, out[1..3] */
-  void (*lone)(const skf_tile *t, skf_vec3 p, double out[4]);
+  void (*lone)(const skf_tile *t, const skf_vec3 *p, double out[4]);
 } skf_batch_form;
 
 typedef struct skf_batch_ops {

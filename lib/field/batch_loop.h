@@ -251,8 +251,8 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     }                                                                                                                  \
     if (!exact) sum_tile(tile, values, sum);                                                                           \
   }                                                                                                                    \
-  static __attribute__((noinline)) void name##_few(const skf_tile *tile, skf_vec3 p, double out[4]) {                  \
-    const skf_v3d x = {vd_set(p.x), vd_set(p.y), vd_set(p.z)};                                                         \
+  static __attribute__((noinline)) void name##_few(const skf_tile *tile, const skf_vec3 *p, double out[4]) {           \
+    const skf_v3d x = {vd_set(p->x), vd_set(p->y), vd_set(p->z)};                                                      \
     double values[4][SKF_TILE];                                                                                        \
     for (size_t j = 0; j < tile->count; j += SKF_LANES) {                                                              \
       name##_row row;                                                                                                  \
@@ -268,8 +268,8 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     }                                                                                                                  \
     tile_total(tile, values, out);                                                                                     \
   }                                                                                                                    \
-  static void name##_lone(const skf_tile *tile, skf_vec3 p, double out[4]) {                                           \
-    const skf_v3d x = {vd_set(p.x), vd_set(p.y), vd_set(p.z)};                                                         \
+  static void name##_lone(const skf_tile *tile, const skf_vec3 *p, double out[4]) {                                    \
+    const skf_v3d x = {vd_set(p->x), vd_set(p->y), vd_set(p->z)};                                                      \
     name##_row row;                                                                                                    \
     if (tile->count > 1) return name##_few(tile, p, out);                                                              \
     row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, 0);                                 \

@@ -20,8 +20,8 @@ struct skf_field {
   bool crowd;          /* neither solids nor far sums, and enough elements of one form to make them the lanes */
   size_t direct_count; /* plain elements that are summed one by one: all, or those that no far sum has */
   skf_prepared *direct, *own;
-  skf_batch batch;                                     /* of these */
-  void (*lone)(const skf_tile *, skf_vec3, double[4]); /* of the only tile, where that is all; else NULL */
+  skf_batch batch;                                             /* of these */
+  void (*lone)(const skf_tile *, const skf_vec3 *, double[4]); /* of the only tile, where that is all; else NULL */
   skf_far **far;
   size_t far_count;
 };
@@ -258,10 +258,10 @@ static void eval_solids(const skf_field *f, size_t n, const double *const p[3], 
   for (size_t from = 0; from < n; from += step) add_solids(f, from, n - from < step ? n - from : step, p, out);
 }
 
-void skf_field_point(const skf_field *f, skf_vec3 p, double out[4]) {
+void skf_field_point(const skf_field *f, const skf_vec3 *p, double out[4]) {
   if (f->lone) return f->lone(f->batch.tile, p, out);
-  if (f->plain == f->n && f->far_count == 0) return skf_batch_at(&f->batch, p, false, out);
-  const double *const at[3] = {&p.x, &p.y, &p.z};
+  if (f->plain == f->n && f->far_count == 0) return skf_batch_at(&f->batch, *p, false, out);
+  const double *const at[3] = {&p->x, &p->y, &p->z};
   double *const g[3] = {out + 1, out + 2, out + 3};
   skf_field_eval(f, 1, at, out, g, NULL);
 }

@@ -14,6 +14,6 @@ double skf_field_some(const skf_field *field, const uint32_t *which, size_t n, s
 
 /* F and the gradient at one point, out[0] and out[1..3], with the bits of skf_field_eval; for callers that have one
    point at a time, and no time: a sum of up to eight elements of one form costs little more than its formula. */
-void skf_field_point(const skf_field *field, skf_vec3 p, double out[4]);
+void skf_field_point(const skf_field *field, const skf_vec3 *p, double out[4]);
 
 #endif

@@ -46,10 +46,6 @@ struct skf_flight {
   skf_flight_report report;
 };
 
-static bool force(const void *user, skf_clock t, skf_vec3 x, skf_vec3 *a, double *noise) {
-  return skf_world_force(user, t, x, a, noise);
-}
-
 static bool sound(const skf_flight_options *o) {
   if (!(o->tolerance > 0 && o->tolerance <= 0.1) || !(o->max_step > 0)) return false;
   if ((unsigned)o->contact >= SKF_CONTACT_COUNT || (unsigned)o->search > SKF_SEARCH_FAST) return false;
@@ -71,7 +67,7 @@ static double length_at(const skf_world *w, skf_vec3 p) {
 static double first_step(const skf_flight *f) {
   skf_vec3 a = {0, 0, 0};
   double L = length_at(f->world, f->orbit.x), v = v3_norm(f->orbit.v);
-  skf_world_force(f->world, f->orbit.t, f->orbit.x, &a, NULL);
+  skf_world_force(f->world, f->orbit.t, &f->orbit.x, &a, NULL);
   double h = FIRST_STEP * fmin(L / v, sqrt(L / v3_norm(a)));
   return isfinite(h) && h > 0 ? h : 1;
 }
@@ -125,7 +121,7 @@ skf_status skf_flight_new(const skf_world *world, const skf_flight_options *opti
   if (!f || !f->work || (o.approach && !f->near)) return skf_flight_free(f), SKF_ERR_NOMEM;
   for (size_t i = 0; i < world->n && f->near; i++) f->near[i].best.f = -INFINITY;
   f->world = world, f->options = o, f->ops = ops;
-  f->ode = (skf_ode){force, world, 0};
+  f->ode = (skf_ode){skf_world_force, skf_world_force_many, world, skf_isa_pick(), 0};
   f->orbit = (skf_orbit){.t = {start->t, 0}, .x = start->position, .v = start->velocity};
   f->from = f->orbit.t;
   f->report.h_min = INFINITY;

@@ -78,8 +78,7 @@ static skf_status begin(void *work, skf_ode *ode, const skf_orbit *at, double h)
   gauss_radau *w = work;
   memset(w, 0, sizeof *w);
   w->h = h;
-  ode->evaluations++;
-  return ode->eval(ode->user, at->t, v3_add(at->x, at->x_low), &w->a0, &w->noise) ? SKF_OK : SKF_ERR_CONVERGENCE;
+  return skf_ode_eval(ode, at->t, v3_add(at->x, at->x_low), &w->a0, &w->noise) ? SKF_OK : SKF_ERR_CONVERGENCE;
 }
 
 /* The last step's polynomial, continued over a step q times as long, and corrected by how far the last prediction was
@@ -117,8 +116,7 @@ static bool sweep(gauss_radau *w, skf_ode *ode, double h, skf_vec3 b[TERMS], skf
     skf_vec3 a, x = displacement(b, w->a0, w->from.v, h, node[n]);
     double noise = 0;
     x = v3_add(w->from.x, v3_add(w->from.x_low, v3_mad(x, h * node[n], w->from.v_low)));
-    ode->evaluations++;
-    if (!ode->eval(ode->user, clock_add(w->from.t, h * node[n]), x, &a, n % 3 == 1 ? &noise : NULL)) return false;
+    if (!skf_ode_eval(ode, clock_add(w->from.t, h * node[n]), x, &a, n % 3 == 1 ? &noise : NULL)) return false;
     w->noise = fmax(w->noise, noise);
     *size = fmax(*size, largest(a));
     skf_vec3 d = v3_scale(inverse[n][0], v3_sub(a, w->a0));
@@ -205,8 +203,7 @@ static double attempt(gauss_radau *w, skf_ode *ode, double h, double tolerance, 
   w->done = h;
   skf_orbit next = *at;
   finish(w, h, &next);
-  ode->evaluations++;
-  bool finite = ode->eval(ode->user, next.t, v3_add(next.x, next.x_low), &w->a0, NULL);
+  bool finite = skf_ode_eval(ode, next.t, v3_add(next.x, next.x_low), &w->a0, NULL);
   if (!finite || !meets(w, h, size, tolerance, w->a0)) return *w = before, 0.25;
   return *at = next, q;
 }

@@ -5,14 +5,23 @@
 
 #include "skelfield/motion.h"
 #include "motion/path.h"
+#include "simd/isa.h"
 
 /* x'' = a(t, x). `eval` returns false where the acceleration is not finite; *noise, if asked for, is the size of its
    rounding error. */
 typedef struct skf_ode {
-  bool (*eval)(const void *user, skf_clock t, skf_vec3 x, skf_vec3 *a, double *noise);
+  bool (*eval)(const void *user, skf_clock t, const skf_vec3 *x, skf_vec3 *a, double *noise);
+  /* The same for n particles, each at a time of its own: p[0..2], a[0..2], which are NAN where they are not finite. The
+     same bits as of `eval`. */
+  void (*many)(const void *user, size_t n, const double *t_hi, const double *t_lo, const double *const p[3],
+               double *const a[3], double *noise);
   const void *user;
+  skf_isa isa;
   size_t evaluations;
 } skf_ode;
+
+/* Particles side by side where many are integrated at once. */
+enum { SKF_FLOCK = 32 };
 
 /* Where a particle is, with the rounding errors of the running sums. */
 typedef struct skf_orbit {
@@ -37,12 +46,17 @@ typedef struct skf_integrator_ops {
   skf_status (*dense)(void *work, skf_ode *ode, skf_path *path);
 } skf_integrator_ops;
 
-extern const skf_integrator_ops skf_integrator_gauss_radau, skf_integrator_dop853;
+extern const skf_integrator_ops skf_integrator_gauss_radau, skf_integrator_dop853, skf_integrator_rkn12;
 
 const skf_integrator_ops *skf_integrator_row(const char *name);
 
 /* The smallest step that still moves the clock by a few units in the last place. */
 static inline double skf_step_floor(skf_clock t) { return 64 * 2.220446049250313e-16 * fabs(t.hi); }
+
+static inline bool skf_ode_eval(skf_ode *ode, skf_clock t, skf_vec3 x, skf_vec3 *a, double *noise) {
+  ode->evaluations++;
+  return ode->eval(ode->user, t, &x, a, noise);
+}
 
 /* x += by d, errors kept. */
 static inline void skf_orbit_add(skf_vec3 *x, skf_vec3 *low, skf_vec3 d) {

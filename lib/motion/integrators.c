@@ -3,7 +3,8 @@
 #include "motion/integrator.h"
 #include <string.h>
 
-static const skf_integrator_ops *const registry[] = {&skf_integrator_gauss_radau, &skf_integrator_dop853};
+static const skf_integrator_ops *const registry[] = {&skf_integrator_gauss_radau, &skf_integrator_dop853,
+                                                     &skf_integrator_rkn12};
 
 size_t skf_integrator_count(void) { return sizeof registry / sizeof *registry; }
 

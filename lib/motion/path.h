@@ -5,7 +5,7 @@
 
 #include "motion/clock.h"
 
-enum { SKF_PATH_DEGREE = 9 };
+enum { SKF_PATH_DEGREE = 14 };
 
 /* x(s) = x0 + sum_{k=1..degree} x[k-1] s^k for s in [0, 1], t = t0 + s h; v likewise. */
 typedef struct skf_path {

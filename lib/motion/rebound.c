@@ -19,7 +19,7 @@ static ground feel(const skf_world *world, const skf_world_body *b, skf_clock t,
   skf_turn r = skf_turn_at(b, t);
   skf_vec3 a, g, q = skf_turn_point(&r, -1, p), v = skf_turn_vector(&r, -1, w);
   double h[6], F = skf_field_tensor_at(b->is.field, q, &g, h);
-  if (!skf_world_force(world, t, p, &a, NULL)) a = v3(0, 0, 0);
+  if (!skf_world_force(world, t, &p, &a, NULL)) a = v3(0, 0, 0);
   skf_vec3 omega = v3_scale(b->rate, b->axis);
   a = v3_sub(a, v3_scale(2, v3_cross(omega, w)));
   a = v3_sub(a, v3_cross(omega, skf_body_velocity(b, p)));

@@ -110,26 +110,71 @@ skf_vec3 skf_turn_point(const skf_turn *r, double sign, skf_vec3 p) {
   return r->on ? v3_add(r->about, skf_turn_vector(r, sign, v3_sub(p, r->about))) : p;
 }
 
-bool skf_world_force(const skf_world *w, skf_clock t, skf_vec3 p, skf_vec3 *a, double *noise) {
+bool skf_world_force(const void *world, skf_clock t, const skf_vec3 *p, skf_vec3 *a, double *noise) {
+  const skf_world *w = world;
   skf_vec3 sum = {0, 0, 0};
   double rough = 0, v[4];
   for (size_t i = 0; i < w->n; i++) {
     const skf_world_body *b = w->bodies + i;
-    if (b->is.gain == 0) continue;
+    const skf_vec3 *at = p;
     skf_turn r = {.on = false};
-    if (b->rate != 0) r = skf_turn_at(b, t);
-    skf_vec3 q = skf_turn_point(&r, -1, p);
-    skf_field_point(b->is.field, q, v);
+    skf_vec3 q;
+    if (b->is.gain == 0) continue;
+    if (b->rate != 0) r = skf_turn_at(b, t), q = skf_turn_point(&r, -1, *p), at = &q;
+    skf_field_point(b->is.field, at, v);
     if (!isfinite(v[0])) return false;
     skf_vec3 g = v3(v[1], v[2], v[3]);
-    sum = v3_mad(sum, b->is.gain, skf_turn_vector(&r, 1, g));
+    sum = v3_mad(sum, b->is.gain, b->rate != 0 ? skf_turn_vector(&r, 1, g) : g);
     if (!noise) continue;
-    double size = b->radius + v3_dist(q, b->center);
+    double size = b->radius + v3_dist(*at, b->center);
     rough += fabs(b->is.gain) * (v3_norm(g) + (b->radius > 0 ? fabs(v[0]) / size : 0));
   }
   *a = sum;
   if (noise) *noise = DBL_EPSILON * rough;
   return v3_finite(sum);
+}
+
+enum { FEW = 64 };
+
+/* A block of n <= FEW particles in the field of one body, added to a. */
+static void add_body(const skf_world_body *b, size_t n, const double *t_hi, const double *t_lo,
+                     const double *const p[3], double *const a[3], double *noise) {
+  double q[3][FEW], F[FEW], g[3][FEW], gain = b->is.gain;
+  const double *at[3] = {p[0], p[1], p[2]};
+  double *const to[3] = {g[0], g[1], g[2]};
+  skf_turn r[FEW];
+  for (size_t i = 0; i < n && b->rate != 0; i++) {
+    r[i] = skf_turn_at(b, (skf_clock){t_hi[i], t_lo[i]});
+    skf_vec3 x = skf_turn_point(r + i, -1, v3(p[0][i], p[1][i], p[2][i]));
+    q[0][i] = x.x, q[1][i] = x.y, q[2][i] = x.z;
+    for (int k = 0; k < 3; k++) at[k] = q[k];
+  }
+  skf_field_eval(b->is.field, n, at, F, to, NULL);
+  for (size_t i = 0; i < n && noise; i++) {
+    double size = b->radius + v3_dist(v3(at[0][i], at[1][i], at[2][i]), b->center);
+    noise[i] += fabs(gain) * (v3_norm(v3(g[0][i], g[1][i], g[2][i])) + (b->radius > 0 ? fabs(F[i]) / size : 0));
+  }
+  for (size_t i = 0; i < n && b->rate != 0; i++) {
+    skf_vec3 v = skf_turn_vector(r + i, 1, v3(g[0][i], g[1][i], g[2][i]));
+    g[0][i] = v.x, g[1][i] = v.y, g[2][i] = v.z;
+  }
+  for (int k = 0; k < 3; k++)
+    for (size_t i = 0; i < n; i++) a[k][i] += F[i] - F[i] == 0 ? gain * g[k][i] : NAN;
+}
+
+void skf_world_force_many(const void *world, size_t n, const double *t_hi, const double *t_lo, const double *const p[3],
+                          double *const a[3], double *noise) {
+  const skf_world *w = world;
+  for (int k = 0; k < 3; k++) memset(a[k], 0, n * sizeof(double));
+  if (noise) memset(noise, 0, n * sizeof(double));
+  for (size_t i = 0; i < w->n; i++)
+    for (size_t from = 0; from < n && w->bodies[i].is.gain != 0; from += FEW) {
+      const double *const at[3] = {p[0] + from, p[1] + from, p[2] + from};
+      double *const to[3] = {a[0] + from, a[1] + from, a[2] + from};
+      add_body(w->bodies + i, n - from < FEW ? n - from : FEW, t_hi + from, t_lo + from, at, to,
+               noise ? noise + from : NULL);
+    }
+  for (size_t i = 0; i < n && noise; i++) noise[i] *= DBL_EPSILON;
 }
 
 double skf_world_potential(const skf_world *w, skf_clock t, skf_vec3 p, double *magnitude) {
@@ -166,7 +211,7 @@ double skf_world_leap(const skf_world *w, skf_vec3 p) {
 static skf_clock clock_of(double t) { return (skf_clock){t, 0}; }
 
 double skf_world_at(const skf_world *w, double t, skf_vec3 p, skf_vec3 *a) {
-  if (a && !skf_world_force(w, clock_of(t), p, a, NULL)) *a = v3(NAN, NAN, NAN);
+  if (a && !skf_world_force(w, clock_of(t), &p, a, NULL)) *a = v3(NAN, NAN, NAN);
   return skf_world_potential(w, clock_of(t), p, NULL);
 }
 

@@ -48,8 +48,11 @@ skf_vec3 skf_turn_point(const skf_turn *r, double sign, skf_vec3 p);
 bool skf_world_has_bound(const skf_world *world);
 
 /* Acceleration of a particle; *noise, if asked for, bounds its rounding error from above, roughly. False when not
-   finite. With the bits of skf_field_eval. */
-bool skf_world_force(const skf_world *world, skf_clock t, skf_vec3 p, skf_vec3 *a, double *noise);
+   finite. With the bits of skf_field_eval. An skf_ode's `eval`. */
+bool skf_world_force(const void *world, skf_clock t, const skf_vec3 *p, skf_vec3 *a, double *noise);
+/* The same bits for n particles, each at a time of its own: an skf_ode's `many`. */
+void skf_world_force_many(const void *world, size_t n, const double *t_hi, const double *t_lo, const double *const p[3],
+                          double *const a[3], double *noise);
 /* Potential energy per unit mass, and the sum of its terms' magnitudes. */
 double skf_world_potential(const skf_world *world, skf_clock t, skf_vec3 p, double *magnitude);
 /* Velocity of the material at an inertial point. */

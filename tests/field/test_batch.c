@@ -155,7 +155,8 @@ static void same_point(const skf_field *f, cloud *c) {
   eval(f, 0, POINTS, c);
   for (size_t i = 0; i < POINTS; i++) {
     double v[4];
-    skf_field_point(f, place(c, i), v);
+    skf_vec3 p = place(c, i);
+    skf_field_point(f, &p, v);
     assert_true(v[0] == c->F[i] && v[1] == c->g[0][i] && v[2] == c->g[1][i] && v[3] == c->g[2][i]);
   }
 }
