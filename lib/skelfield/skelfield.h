@@ -11,6 +11,7 @@
 #include "skelfield/ray.h"
 #include "skelfield/render.h"
 #include "skelfield/motion.h"
+#include "skelfield/rigid.h"
 #include "skelfield/surface.h"
 #include "skelfield/scene.h"
 

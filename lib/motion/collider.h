@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+/* A solid as the search for collisions sees it, and what it knows of a ball. */
+#ifndef SKF_MOTION_COLLIDER_H
+#define SKF_MOTION_COLLIDER_H
+
+#include "motion/pose.h"
+#include "ray/walk.h"
+
+struct skf_collider {
+  const skf_field *field;
+  double iso;
+  skf_tracer *tracer; /* with an octree, or NULL */
+  bool bounded;       /* by a box and the ball around it: */
+  skf_box box;        /* body frame */
+  skf_vec3 center;
+  double radius;
+};
+
+/* f = F - iso in a ball about a place. */
+typedef struct skf_guess {
+  int side;     /* -1, 1: all of the ball is outside, inside; 0: not known */
+  bool vague;   /* 0, and smaller balls are better than a closer look; nothing below is set */
+  double f;     /* at the place */
+  skf_vec3 g;   /* gradient there, body frame */
+  double slope; /* bound of |g| in the ball */
+  double bend;  /* bound of the Hessian's norm */
+  double rough; /* rounding error of f */
+} skf_guess;
+
+/* `far`: the size of the coordinates that q was computed from, for the rounding. */
+skf_guess skf_collider_guess(const skf_collider *c, skf_vec3 q, double radius, double far);
+
+/* Two solids in relative motion: a is bounded. */
+typedef struct skf_duel {
+  const skf_collider *a, *b;
+  skf_rigid_motion ma, mb;
+} skf_duel;
+
+/* A place where the two touch. */
+typedef struct skf_kiss {
+  double t;
+  skf_vec3 p;          /* frame of a */
+  skf_vec3 at, normal; /* inertial; from a to b */
+  double approach;     /* speed along the normal, positive when they come closer */
+  double depth;
+} skf_kiss;
+
+/* Newton's method from a guess, with p and t free: where F_a = F_b = iso and the gradients are opposite. False when it
+   does not converge to such a place within `reach` of p. */
+bool skf_kiss_in_time(const skf_duel *d, double t, skf_vec3 p, double reach, double duration, skf_kiss *out);
+
+/* The same at a fixed time: where both are equally deep and the gradients are opposite; the depth may be negative. */
+bool skf_kiss_at(const skf_duel *d, double t, skf_vec3 p, double reach, skf_kiss *out);
+
+#endif
