@@ -13,7 +13,7 @@ function room_of(path, part) {
   split(path, part, "/")
   if (part[1] != "skelfield") return part[1]
   sub(/\.h$/, "", part[2])
-  return part[2] == "render" ? "ray" : part[2] == "handles" ? "field" : part[2] == "polygon" ? "skeleton" : part[2] # these have headers of their own
+  return part[2] == "render" ? "ray" : part[2] == "handles" ? "field" : part[2] == "polygon" ? "skeleton" : part[2] == "rigid" ? "motion" : part[2] # these have headers of their own
 }
 
 function complain(why) {
