@@ -15,6 +15,7 @@ extern "C" {
 typedef struct skf_picture_format {
   const char *ending, *doc;
   bool linear; /* holds linear floating-point light, not 8-bit sRGB */
+  bool deep;   /* can hold 16-bit sRGB, too */
 } skf_picture_format;
 
 /* The registry's rows; NULL behind the last. */
@@ -35,7 +36,7 @@ typedef struct skf_text_place {
   double x, y, ax, ay, angle, size;
 } skf_text_place;
 
-enum { SKF_PLOT_ABI = 1 };
+enum { SKF_PLOT_ABI = 2 };
 
 /* What a module exports under the name SKF_PLOT_SYMBOL. Drawing calls never fail at once: the first failure is kept
    and comes out of encode(). */
@@ -66,6 +67,12 @@ typedef struct skf_plot {
   skf_status (*encode_linear)(int width, int height, const float *rgb, const char *ending, unsigned char **bytes,
                               size_t *n, char error[256]);
   void (*release)(unsigned char *bytes);
+  /* sRGB in 16 bits, width * height * 3, in a format that is `deep`. */
+  skf_status (*encode_deep)(int width, int height, const unsigned short *rgb, const char *ending, unsigned char **bytes,
+                            size_t *n, char error[256]);
+  /* Reads a picture file of any format: width * height * 3 bytes, sRGB, rows from the top; give them back with
+     release(). */
+  skf_status (*decode)(const char *path, int *width, int *height, unsigned char **rgb, char error[256]);
 } skf_plot;
 
 #define SKF_PLOT_MODULE "skelfield-opencv.so"

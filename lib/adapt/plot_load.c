@@ -7,11 +7,11 @@
 #include <strings.h>
 
 static const skf_picture_format formats[] = {
-    {"png", "lossless, 8 bits", false},
+    {"png", "lossless, 8 or 16 bits", false, true},
     {"jpg", "lossy, quality 95", false},
     {"jpeg", "the same as jpg", false},
-    {"tif", "lossless, 8 bits", false},
-    {"tiff", "the same as tif", false},
+    {"tif", "lossless, 8 or 16 bits", false, true},
+    {"tiff", "the same as tif", false, true},
     {"webp", "lossless, 8 bits", false},
     {"bmp", "uncompressed, 8 bits", false},
     {"ppm", "uncompressed, 8 bits", false},

@@ -240,10 +240,35 @@ skf_status encode_linear(int width, int height, const float *rgb, const char *en
   } catch (const std::exception &e) { return say(error, e.what()), SKF_ERR_NOMEM; }
 }
 
+skf_status encode_deep(int width, int height, const unsigned short *rgb, const char *ending, unsigned char **bytes,
+                       size_t *n, char error[256]) {
+  try {
+    cv::Mat bgr(height, width, CV_16UC3);
+    for (int y = 0; y < height; y++)
+      for (int x = 0; x < width; x++, rgb += 3) bgr.at<cv::Vec3w>(y, x) = {rgb[2], rgb[1], rgb[0]};
+    return encode_mat(bgr, ending, bytes, n, error);
+  } catch (const std::exception &e) { return say(error, e.what()), SKF_ERR_NOMEM; }
+}
+
+skf_status decode(const char *path, int *width, int *height, unsigned char **rgb, char error[256]) {
+  *rgb = nullptr;
+  try {
+    cv::Mat bgr = cv::imread(path, cv::IMREAD_COLOR);
+    if (bgr.empty()) return say(error, "not a picture that can be read"), SKF_ERR_IO;
+    std::unique_ptr<unsigned char[]> out(new unsigned char[3 * bgr.total()]);
+    unsigned char *p = out.get();
+    for (int y = 0; y < bgr.rows; y++)
+      for (int x = 0; x < bgr.cols; x++)
+        for (int k = 0; k < 3; k++) *p++ = bgr.at<cv::Vec3b>(y, x)[2 - k];
+    *width = bgr.cols, *height = bgr.rows, *rgb = out.release();
+    return SKF_OK;
+  } catch (const std::exception &e) { return say(error, e.what()), SKF_ERR_IO; }
+}
+
 void release(unsigned char *bytes) { delete[] bytes; }
 
 } // namespace
 
-extern "C" __attribute__((visibility("default")))
-const skf_plot skf_plot_module = {SKF_PLOT_ABI, "opencv", create, destroy, font,   colormap, colormap_names, clip,
-                                  image,        stroke,   fill,   text,    extent, encode,   encode_linear,  release};
+extern "C" __attribute__((visibility("default"))) const skf_plot skf_plot_module = {
+    SKF_PLOT_ABI, "opencv", create, destroy, font,   colormap,      colormap_names, clip,        image,
+    stroke,       fill,     text,   extent,  encode, encode_linear, release,        encode_deep, decode};

@@ -1,62 +1,29 @@
 /* SPDX-License-Identifier: MIT */
 /* The renderer: one ray through each pixel's centre, light on what they meet, more rays where the picture needs them.
- */
+   With a lens or an open shutter: many rays for every pixel. */
 #include "ray/render.h"
 #include "core/alloc.h"
 #include <omp.h>
 
 typedef struct render {
+  skf_stage stage;
   const skf_render_scene *s;
-  skf_view view;
-  const skf_light *lights;
-  size_t light_count;
-  skf_light own_lights[3];
+  bool *clear;
   skf_sight *sights;
-  skf_lit *raw, *lit; /* from each pixel's own rays, smoothed twice in the end; smoothed once, later marks */
+  int stride;       /* floats of a lit place */
+  float *raw, *lit; /* from each pixel's own rays, smoothed twice in the end; smoothed once */
+  unsigned char *marks;
   float *rgb;
+  float *evaluations, *cells;
   skf_progress progress;
   double done, share; /* of the whole work: before this pass, in it */
   int rows;           /* finished in this pass */
   bool stop;
 } render;
 
-/* First surface along a ray of the camera. */
-static skf_sight look(render *r, skf_vec3 direction) {
-  skf_sight best = {SKF_NOTHING, INFINITY, {0, 0, 0}, {0, 0, 0}};
-  for (size_t i = 0; i < r->s->body_count; i++) {
-    skf_ray ray = {r->view.from, direction, 0, best.t};
-    skf_hit hit;
-    bool found = false;
-    if (skf_tracer_first(r->s->bodies[i].tracer, &ray, &hit, &found, NULL)) found = false;
-    if (found && hit.t < best.t) best = (skf_sight){(int)i, hit.t, hit.at, hit.normal};
-  }
-  if (best.body >= 0 && v3_dot(best.normal, direction) > 0) best.normal = v3_scale(-1, best.normal);
-  if (best.body == SKF_NOTHING && r->s->ground) {
-    skf_vec3 n = v3_unit(r->s->ground_normal);
-    double t = v3_dot(v3_sub(r->s->ground_at, r->view.from), n) / v3_dot(direction, n);
-    if (t > 0 && isfinite(t)) best = (skf_sight){SKF_GROUND, t, v3_mad(r->view.from, t, direction), n};
-  }
-  return best;
-}
-
-static bool blocked(const render *r, skf_vec3 at, skf_vec3 direction, double distance) {
-  for (size_t i = 0; i < r->s->body_count; i++) {
-    skf_ray ray = {at, direction, 0, distance};
-    bool hit = false;
-    if (!skf_tracer_occluded(r->s->bodies[i].tracer, &ray, &hit, NULL) && hit) return true;
-  }
-  return false;
-}
-
-/* A pixel looks for the sky in SKY_RAYS directions of BLOCK * BLOCK * SKY_RAYS; the pixels of a block share theirs
-   out, and smoothing over a block brings all of them together. */
-enum { BLOCK = 4, SKY_RAYS = 2, DIRECTIONS = BLOCK * BLOCK * SKY_RAYS };
-
-/* Directions spread evenly over the sphere (a spiral of golden angles). */
-static skf_vec3 spread(int k) {
-  double z = 1 - (2 * k + 1.0) / DIRECTIONS, s = sqrt(1 - z * z), a = k * 2.399963229728653;
-  return v3(s * cos(a), s * sin(a), z);
-}
+/* Pixels look for sky and lights in a part of the directions each; those of a block share them out, and smoothing over
+   a block brings all of them together. */
+enum { BLOCK = 4 };
 
 /* Which share of the directions a pixel has: neighbours get distant ones. */
 static int share_of(int x, int y) {
@@ -64,67 +31,61 @@ static int share_of(int x, int y) {
   return order[y % BLOCK][x % BLOCK];
 }
 
-/* Half the angle that directional lights span: 2 degrees, for shadows with soft edges. */
-static const double light_radius = 0.035;
+static double hashed(int x, int y, unsigned k) {
+  unsigned h = (unsigned)x * 73856093u ^ (unsigned)y * 19349663u ^ k * 83492791u;
+  h = (h ^ h >> 15) * 0x2c1b3c6du, h = (h ^ h >> 12) * 0x297a2d39u;
+  return (h ^ h >> 15) / 4294967296.0;
+}
 
-static skf_lit light_at(const render *r, const skf_sight *at, int share) {
-  skf_lit lit = {0, {0}};
-  double seen = 0, all = 0;
-  for (int k = 0; k < SKY_RAYS; k++) {
-    skf_vec3 d = spread(share + BLOCK * BLOCK * k);
-    double c = v3_dot(d, at->normal);
-    if (c < 0) d = v3_scale(-1, d), c = -c;
-    all += c;
-    if (!blocked(r, at->at, d, INFINITY)) seen += c;
+/* Through a place of the picture, in the middle of the lens and of the shutter's time. */
+static skf_beam camera_beam(const render *r, double px, double py) {
+  int w = r->s->width, h = r->s->height, x = (int)px, y = (int)py;
+  return (skf_beam){.from = skf_view_origin(&r->stage.view, w, h, px, py),
+                    .direction = skf_view_ray(&r->stage.view, w, h, px, py),
+                    .time = 0.5,
+                    .share = share_of(x, y),
+                    .jitter = {hashed(x, y, 1), hashed(x, y, 2)},
+                    .weight = 1,
+                    .height = 1 - py / h};
+}
+
+static void light_at(const render *r, const skf_sight *at, const skf_beam *beam, float *lit) {
+  if (r->s->quality == SKF_RENDER_DRAFT) {
+    for (int k = 0; k < r->stride; k++) lit[k] = 1;
+    return;
   }
-  lit.sky = (float)(all > 0 ? seen / all : 1);
-  for (size_t l = 0; l < r->light_count; l++) {
-    double distance;
-    skf_vec3 to = skf_light_direction(r->lights + l, at->at, &distance);
-    if (!(v3_dot(to, at->normal) > 0)) continue;
-    if (r->lights[l].directional) {
-      skf_vec3 a = v3_perp(to), b = v3_cross(to, a);
-      double turn = share * 2.399963229728653, out = light_radius * sqrt((share + 0.5) / (BLOCK * BLOCK));
-      to = v3_unit(v3_mad(v3_mad(to, out * cos(turn), a), out * sin(turn), b));
-    }
-    lit.light[l] = blocked(r, at->at, to, distance) ? 0 : 1;
-  }
-  return lit;
+  int times = r->s->quality == SKF_RENDER_FINE ? 4 : 1;
+  skf_light_at(&r->stage, at, beam, 2 * times, times, false, lit);
 }
 
 /* Whether two pixels see one smooth piece of surface. */
 static bool alike(const skf_sight *a, const skf_sight *b) {
-  if (a->body != b->body) return false;
+  if (a->body != b->body || a->inside != b->inside) return false;
   if (a->body == SKF_NOTHING) return true;
   skf_vec3 way = v3_sub(b->at, a->at);
   return v3_dot(a->normal, b->normal) > 0.9 && fabs(v3_dot(way, a->normal)) <= 0.5 * v3_norm(way) + 1e-12 * a->t;
 }
 
-/* The mean over a block of pixels that starts at (x0, y0) and holds (x, y), of those like it. */
-static skf_lit smooth_light(const render *r, const skf_lit *from, int x, int y, int x0, int y0) {
-  int w = r->s->width, h = r->s->height, n = 0;
-  const skf_sight *here = r->sights + (size_t)y * w + x;
-  skf_lit sum = {0, {0}};
+/* The mean over a block of pixels that starts at (x0, y0) and holds (x, y), of those like it; hard light stays. */
+static void smooth_light(const render *r, const float *from, int x, int y, int x0, int y0, float *out) {
+  int w = r->s->width, h = r->s->height, n = 0, stride = r->stride;
+  size_t own = (size_t)y * w + x;
+  float sum[SKF_LIT] = {0};
   for (int j = y0; j < y0 + BLOCK; j++)
     for (int i = x0; i < x0 + BLOCK; i++) {
       size_t k = (size_t)j * w + i;
-      if (i < 0 || j < 0 || i >= w || j >= h || !alike(here, r->sights + k)) continue;
-      sum.sky += from[k].sky;
-      for (size_t l = 0; l < r->light_count; l++) sum.light[l] += from[k].light[l];
+      if (i < 0 || j < 0 || i >= w || j >= h || !alike(r->sights + own, r->sights + k)) continue;
+      for (int c = 0; c < stride; c++) sum[c] += from[k * stride + c];
       n++;
     }
-  if (n == 0) return from[(size_t)y * w + x]; /* a surface without a normal */
-  sum.sky /= (float)n;
-  for (size_t l = 0; l < r->light_count; l++) sum.light[l] /= (float)n;
-  return sum;
-}
-
-static void shade(const render *r, const skf_sight *at, const skf_lit *lit, double py, double rgb[3]) {
-  skf_shade(r->s, r->lights, r->light_count, &r->view, at, lit, 1 - py / r->s->height, rgb);
+  for (int c = 0; c < stride; c++) {
+    bool keep = n == 0 || (c && skf_light_is_hard(r->stage.lights + (c - 1) / 3)); /* n = 0: no normal */
+    out[c] = keep ? from[own * stride + c] : sum[c] / (float)n;
+  }
 }
 
 /* The light on what a ray beside a pixel's centre meets: that of the nearest pixel on the same piece, or its own. */
-static skf_lit borrowed_light(const render *r, const skf_sight *at, int x, int y) {
+static void borrowed_light(const render *r, const skf_sight *at, const skf_beam *beam, int x, int y, float *lit) {
   int w = r->s->width, h = r->s->height;
   double nearest = INFINITY;
   size_t from = 0;
@@ -135,7 +96,12 @@ static skf_lit borrowed_light(const render *r, const skf_sight *at, int x, int y
       double d = v3_dist(at->at, r->sights[k].at);
       if (d < nearest) nearest = d, from = k;
     }
-  return isfinite(nearest) ? r->raw[from] : light_at(r, at, share_of(x, y));
+  if (!isfinite(nearest)) {
+    light_at(r, at, beam, lit);
+    return;
+  }
+  for (int c = 0; c < r->stride; c++) lit[c] = r->raw[from * r->stride + c];
+  if (r->s->quality != SKF_RENDER_DRAFT) skf_light_at(&r->stage, at, beam, 0, 0, true, lit);
 }
 
 /* Whether the pixel's neighbours show something else or another brightness. */
@@ -155,22 +121,51 @@ static bool uneven(const render *r, int x, int y) {
 }
 
 static void sight_row(render *r, int y) {
-  int w = r->s->width, h = r->s->height;
-  for (int x = 0; x < w; x++) r->sights[(size_t)y * w + x] = look(r, skf_view_ray(&r->view, w, h, x + 0.5, y + 0.5));
+  int w = r->s->width;
+  for (int x = 0; x < w; x++) {
+    skf_beam beam = camera_beam(r, x + 0.5, y + 0.5);
+    r->sights[(size_t)y * w + x] = skf_look_along(&r->stage, &beam, NULL);
+  }
+}
+
+static void cost_row(render *r, int y) {
+  int w = r->s->width;
+  for (int x = 0; x < w; x++) {
+    skf_beam beam = camera_beam(r, x + 0.5, y + 0.5);
+    skf_ray_report report = {0};
+    size_t k = (size_t)y * w + x;
+    skf_look_along(&r->stage, &beam, &report);
+    if (r->evaluations) r->evaluations[k] = (float)report.evaluations;
+    if (r->cells) r->cells[k] = (float)report.cells;
+  }
 }
 
 static void light_row(render *r, int y) {
   int w = r->s->width;
   for (int x = 0; x < w; x++) {
     size_t k = (size_t)y * w + x;
-    if (r->sights[k].body != SKF_NOTHING) r->raw[k] = light_at(r, r->sights + k, share_of(x, y));
+    skf_beam beam = camera_beam(r, x + 0.5, y + 0.5);
+    if (r->sights[k].body != SKF_NOTHING) light_at(r, r->sights + k, &beam, r->raw + k * r->stride);
   }
 }
 
 /* One block is not centred on its pixel; two, shifted either way, are. */
 static void smooth_row(render *r, int y) {
-  for (int x = 0; x < r->s->width; x++)
-    r->lit[(size_t)y * r->s->width + x] = smooth_light(r, r->raw, x, y, x - 1, y - 1);
+  for (int x = 0; x < r->s->width; x++) {
+    size_t k = (size_t)y * r->s->width + x;
+    smooth_light(r, r->raw, x, y, x - 1, y - 1, r->lit + k * r->stride);
+  }
+}
+
+static void smooth_again_row(render *r, int y) {
+  for (int x = 0; x < r->s->width; x++) {
+    size_t k = (size_t)y * r->s->width + x;
+    smooth_light(r, r->lit, x, y, x - 2, y - 2, r->raw + k * r->stride);
+  }
+}
+
+static void put(render *r, size_t k, const double rgb[3]) {
+  for (int c = 0; c < 3; c++) r->rgb[3 * k + c] = (float)rgb[c];
 }
 
 static void shade_row(render *r, int y) {
@@ -178,33 +173,73 @@ static void shade_row(render *r, int y) {
   for (int x = 0; x < w; x++) {
     size_t k = (size_t)y * w + x;
     double rgb[3];
-    r->raw[k] = smooth_light(r, r->lit, x, y, x - 2, y - 2);
-    shade(r, r->sights + k, r->raw + k, y + 0.5, rgb);
-    for (int c = 0; c < 3; c++) r->rgb[3 * k + c] = (float)rgb[c];
+    skf_beam beam = camera_beam(r, x + 0.5, y + 0.5);
+    skf_radiance(&r->stage, &beam, r->sights + k, r->raw + k * r->stride, rgb);
+    put(r, k, rgb);
   }
 }
 
 /* Samples lie on a lattice of rank one, which has one of them in each row and column of a finer grid. */
 static void refine_row(render *r, int y) {
-  int w = r->s->width, h = r->s->height, n = r->s->samples;
+  int w = r->s->width, n = r->s->samples;
   for (int x = 0; x < w; x++) {
-    if (r->lit[(size_t)y * w + x].sky < 1) continue; /* marked by mark_row */
+    if (!r->marks[(size_t)y * w + x]) continue;
     double sum[3] = {0, 0, 0}, rgb[3];
     for (int i = 0; i < n; i++) {
-      double px = x + (i + 0.5) / n, py = y + fmod(0.5 + i * 0.6180339887498949, 1);
-      skf_sight at = look(r, skf_view_ray(&r->view, w, h, px, py));
-      skf_lit lit = {1, {0}};
-      if (at.body != SKF_NOTHING) lit = borrowed_light(r, &at, x, y);
-      shade(r, &at, &lit, py, rgb);
-      for (int c = 0; c < 3; c++) sum[c] += rgb[c];
+      skf_beam beam = camera_beam(r, x + (i + 0.5) / n, y + fmod(0.5 + i * 0.6180339887498949, 1));
+      skf_sight at = skf_look_along(&r->stage, &beam, NULL);
+      float lit[SKF_LIT];
+      if (at.body != SKF_NOTHING) borrowed_light(r, &at, &beam, x, y, lit);
+      skf_radiance(&r->stage, &beam, &at, lit, rgb);
+      for (int c = 0; c < 3; c++) sum[c] += rgb[c] / n;
     }
-    for (int c = 0; c < 3; c++) r->rgb[3 * ((size_t)y * w + x) + c] = (float)(sum[c] / n);
+    put(r, (size_t)y * w + x, sum);
   }
 }
 
 /* Before any pixel changes: which ones refine_row takes. */
 static void mark_row(render *r, int y) {
-  for (int x = 0; x < r->s->width; x++) r->lit[(size_t)y * r->s->width + x].sky = uneven(r, x, y) ? 1 : 0;
+  for (int x = 0; x < r->s->width; x++) r->marks[(size_t)y * r->s->width + x] = uneven(r, x, y);
+}
+
+/* Place in the pixel, on the lens, in time, on the lights: a lattice of rank one in all of them [Roberts 2018], shifted
+   by the pixel. */
+static skf_beam scattered_beam(const render *r, int x, int y, int i) {
+  static const double step[7] = {0.8812714616335696, 0.7766393890897682,  0.6844301295853426, 0.6031687406857282,
+                                 0.5315553977157913, 0.46844460228420865, 0.4128267389};
+  double u[7];
+  for (unsigned k = 0; k < 7; k++) u[k] = fmod(hashed(x, y, k) + i * step[k], 1);
+  skf_beam beam = camera_beam(r, x + u[0], y + u[1]);
+  double out = sqrt(u[2]), turn = 2 * SKF_PI * u[3];
+  if (r->stage.view.aperture > 0)
+    skf_view_lens(&r->stage.view, out * cos(turn), out * sin(turn), &beam.from, &beam.direction);
+  beam.scattered = true;
+  beam.time = u[4], beam.jitter[0] = u[5], beam.jitter[1] = u[6], beam.share = (share_of(x, y) + i) % SKF_SHARES;
+  return beam;
+}
+
+/* More rays until the mean's standard error is below a step that is seen. */
+static void scatter_row(render *r, int y) {
+  enum { BATCH = 16 };
+  for (int x = 0; x < r->s->width; x++) {
+    double sum[3] = {0, 0, 0}, squares = 0, rgb[3];
+    int n = 0;
+    for (bool enough = false; !enough && n < r->s->samples;) {
+      for (int i = 0; i < BATCH && n < r->s->samples; i++, n++) {
+        skf_beam beam = scattered_beam(r, x, y, n);
+        skf_sight at = skf_look_along(&r->stage, &beam, NULL);
+        float lit[SKF_LIT];
+        if (at.body != SKF_NOTHING) light_at(r, &at, &beam, lit);
+        skf_radiance(&r->stage, &beam, &at, lit, rgb);
+        for (int c = 0; c < 3; c++) sum[c] += rgb[c];
+        squares += (rgb[0] + rgb[1] + rgb[2]) * (rgb[0] + rgb[1] + rgb[2]);
+      }
+      double mean = (sum[0] + sum[1] + sum[2]) / n, error2 = fmax(squares / n - mean * mean, 0) / n;
+      enough = error2 < 1e-4 * (mean + 0.05) * (mean + 0.05);
+    }
+    for (int c = 0; c < 3; c++) rgb[c] = sum[c] / n;
+    put(r, (size_t)y * r->s->width + x, rgb);
+  }
 }
 
 static void pass(render *r, void (*row)(render *, int), double share) {
@@ -228,43 +263,98 @@ static void pass(render *r, void (*row)(render *, int), double share) {
   r->done += share;
 }
 
+static bool scattered(const render *r) {
+  bool moves = false;
+  for (size_t i = 0; i < r->s->body_count; i++) moves = moves || r->s->bodies[i].sweep != 0;
+  return (moves || r->stage.view.aperture > 0) && r->s->samples > 1;
+}
+
 static void all_passes(render *r) {
-  bool stopped;
   size_t n = (size_t)r->s->width * r->s->height;
-  for (size_t k = 0; k < n; k++) r->sights[k] = (skf_sight){SKF_NOTHING, INFINITY, {0, 0, 0}, {0, 0, 0}};
-  for (size_t k = 0; k < n; k++) {
-    r->raw[k].sky = 1;
-    for (size_t l = 0; l < r->light_count; l++) r->raw[k].light[l] = 1;
+  bool draft = r->s->quality == SKF_RENDER_DRAFT, many = scattered(r);
+  for (size_t k = 0; k < n; k++) r->sights[k] = (skf_sight){.body = SKF_NOTHING, .t = INFINITY, .time = 0.5};
+  for (size_t k = 0; k < n * r->stride; k++) r->raw[k] = 1;
+  pass(r, sight_row, many ? 0.02 : draft ? 0.6 : 0.3);
+  if (!draft && !many) pass(r, light_row, 0.4);
+  bool stopped = r->stop;
+  int bounces = r->stage.bounces;
+  r->stop = false; /* what follows is cheap, and done also after a stop: the picture is made of what is known */
+  if (!draft && !many) pass(r, smooth_row, 0), pass(r, smooth_again_row, 0);
+  if (stopped || many) r->stage.bounces = 0; /* many: it is painted over */
+  pass(r, shade_row, r->stage.bounces ? 0.1 : 0);
+  r->stage.bounces = bounces;
+  r->stop = r->stop || stopped;
+  if (r->stop || r->s->samples < 2) return;
+  if (many) {
+    pass(r, scatter_row, 0.98);
+    return;
   }
-  pass(r, sight_row, 0.3);
-  pass(r, light_row, 0.4);
-  stopped = r->stop, r->stop = false;
-  pass(r, smooth_row, 0); /* cheap, and done also after a stop: the picture is made of what is known */
-  pass(r, shade_row, 0);
-  r->stop = stopped;
-  if (stopped || r->s->samples < 2) return;
   pass(r, mark_row, 0);
-  pass(r, refine_row, 0.3);
+  pass(r, refine_row, 1 - r->done);
+}
+
+static skf_status open_stage(render *r) {
+  const skf_render_scene *s = r->s;
+  skf_stage *g = &r->stage;
+  skf_status status = skf_view_make(&s->camera, (double)s->width / s->height, &g->view);
+  if (status) return status;
+  g->s = s, g->lights = s->lights, g->light_count = s->light_count;
+  g->bounces = s->quality == SKF_RENDER_DRAFT || s->bounces < 0 ? 0 : s->bounces ? s->bounces : SKF_RENDER_BOUNCES;
+  if (!g->light_count) {
+    skf_lights_default(&g->view, g->own_lights);
+    g->lights = g->own_lights, g->light_count = 3;
+  }
+  r->stride = 1 + 3 * (int)g->light_count;
+  g->palettes = skf_alloc(s->body_count, sizeof *g->palettes);
+  g->clear = r->clear = skf_alloc(s->body_count, sizeof *r->clear);
+  if (!g->palettes || !r->clear) return SKF_ERR_NOMEM;
+  for (size_t i = 0; i < s->body_count && !status; i++) {
+    r->clear[i] = skf_look_is_clear(s->bodies + i);
+    status = skf_palette_new(s->bodies + i, g->palettes + i);
+  }
+  return status;
+}
+
+static void close_stage(render *r) {
+  for (size_t i = 0; r->stage.palettes && i < r->s->body_count; i++) skf_palette_free(r->stage.palettes[i]);
+  skf_free(r->stage.palettes), skf_free(r->clear);
+  skf_free(r->sights), skf_free(r->raw), skf_free(r->lit), skf_free(r->marks);
+}
+
+static bool acceptable(const skf_render_scene *s) {
+  if (s->width < 1 || s->height < 1 || s->samples < 1 || s->light_count > SKF_RENDER_LIGHTS) return false;
+  for (size_t i = 0; i < s->body_count; i++)
+    if ((!s->bodies[i].tracer && !s->bodies[i].offsets) || s->bodies[i].look_count > SKF_LOOKS) return false;
+  return true;
 }
 
 skf_status skf_render(const skf_render_scene *s, float *rgb, float *depth, skf_progress progress) {
-  if (s->width < 1 || s->height < 1 || s->samples < 1 || s->light_count > SKF_RENDER_LIGHTS) return SKF_ERR_ARG;
-  render r = {.s = s, .rgb = rgb, .progress = progress, .lights = s->lights, .light_count = s->light_count};
-  skf_status status = skf_view_make(&s->camera, (double)s->width / s->height, &r.view);
-  if (status) return status;
-  if (!r.light_count) {
-    skf_lights_default(&r.view, r.own_lights);
-    r.lights = r.own_lights, r.light_count = 3;
-  }
+  if (!acceptable(s)) return SKF_ERR_ARG;
+  render r = {.s = s, .rgb = rgb, .progress = progress};
   size_t n = (size_t)s->width * s->height;
-  r.sights = skf_alloc(n, sizeof *r.sights);
-  r.raw = skf_alloc(n, sizeof *r.raw);
-  r.lit = skf_alloc(n, sizeof *r.lit);
-  if (!r.sights || !r.raw || !r.lit)
-    status = SKF_ERR_NOMEM;
-  else
-    all_passes(&r);
+  skf_status status = open_stage(&r);
+  if (!status) {
+    r.sights = skf_alloc(n, sizeof *r.sights);
+    r.raw = skf_alloc(n * r.stride, sizeof *r.raw);
+    r.lit = skf_alloc(n * r.stride, sizeof *r.lit);
+    r.marks = skf_alloc(n, 1);
+    if (!r.sights || !r.raw || !r.lit || !r.marks) status = SKF_ERR_NOMEM;
+  }
+  if (!status) all_passes(&r);
   for (size_t k = 0; !status && depth && k < n; k++) depth[k] = r.sights[k].body >= 0 ? (float)r.sights[k].t : INFINITY;
-  skf_free(r.sights), skf_free(r.raw), skf_free(r.lit);
+  close_stage(&r);
+  return status ? status : r.stop ? SKF_ERR_CANCELLED : SKF_OK;
+}
+
+skf_status skf_render_cost(const skf_render_scene *s, float *evaluations, float *cells, skf_progress progress) {
+  if (!acceptable(s)) return SKF_ERR_ARG;
+  render r = {.s = s, .evaluations = evaluations, .cells = cells, .progress = progress};
+  skf_status status = open_stage(&r);
+  for (size_t k = 0; k < (size_t)s->width * s->height; k++) {
+    if (evaluations) evaluations[k] = 0;
+    if (cells) cells[k] = 0;
+  }
+  if (!status) pass(&r, cost_row, 1);
+  close_stage(&r);
   return status ? status : r.stop ? SKF_ERR_CANCELLED : SKF_OK;
 }

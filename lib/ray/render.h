@@ -6,36 +6,115 @@
 #include "skelfield/render.h"
 #include "core/vec3.h"
 
-/* The camera's frame: p = from + z (forward + x right + y up) is seen at (x, y) on the picture plane at distance 1. */
+/* The camera's frame: p = from + z (forward + x right + y up) is seen at (x, y) on the picture plane at distance 1;
+   with parallel rays at from + z forward + x right + y up. */
 typedef struct skf_view {
   skf_vec3 from, forward, right, up;
-  double tan_x, tan_y; /* of half the angles of view */
+  double tan_x, tan_y; /* of half the angles of view; half the width and height where rays are parallel */
+  bool parallel;
+  double aperture, focus;
 } skf_view;
 
 skf_status skf_view_make(const skf_camera *camera, double aspect, skf_view *out);
-/* Unit direction of the ray through (px, py) in pixels. */
+/* Unit direction of the ray through (px, py) in pixels, and where it starts. */
 skf_vec3 skf_view_ray(const skf_view *view, int width, int height, double px, double py);
+skf_vec3 skf_view_origin(const skf_view *view, int width, int height, double px, double py);
+/* The same through a place of the lens, (0, 0) its middle, 1 its rim. */
+void skf_view_lens(const skf_view *view, double x, double y, skf_vec3 *from, skf_vec3 *direction);
+/* How far up in the picture a direction is seen, 0 to 1; those backwards count as if mirrored. */
+double skf_view_height(const skf_view *view, skf_vec3 direction);
 
-enum { SKF_NOTHING = -1, SKF_GROUND = -2, SKF_RENDER_LIGHTS = 8 };
+enum { SKF_NOTHING = -1, SKF_GROUND = -2, SKF_RENDER_LIGHTS = 8, SKF_RENDER_BOUNCES = 6 };
 
-/* What a ray of the camera meets. */
+/* What a ray meets. */
 typedef struct skf_sight {
-  int body; /* or SKF_NOTHING, SKF_GROUND */
+  int body;    /* or SKF_NOTHING, SKF_GROUND */
+  bool inside; /* seen from inside of the body */
   double t;
-  skf_vec3 at, normal; /* the normal faces the camera */
+  skf_vec3 at, normal; /* the normal faces the eye */
+  skf_vec3 own;        /* the place in the body's own frame */
+  double time;         /* of the shutter, 0 to 1 */
+  size_t item;         /* of offsets */
 } skf_sight;
 
-/* How much of the sky and of each light reaches a place, in [0, 1]. */
-typedef struct skf_lit {
-  float sky, light[SKF_RENDER_LIGHTS];
-} skf_lit;
+/* How much of the sky and of each light reaches a place, in [0, 1]: the sky's share, then three for each light. */
+enum { SKF_LIT = 1 + 3 * SKF_RENDER_LIGHTS };
 
-/* Direction to light k and whether it is at a finite distance, which then is in *distance (else INFINITY). */
+/* What all rays of a picture share. */
+typedef struct skf_stage {
+  const skf_render_scene *s;
+  skf_view view;
+  const skf_light *lights;
+  size_t light_count;
+  skf_light own_lights[3];
+  struct skf_palette **palettes; /* of each body, or NULL */
+  const bool *clear;             /* whether a body lets light through anywhere */
+  int bounces;
+} skf_stage;
+
+/* A ray on its way. */
+typedef struct skf_beam {
+  skf_vec3 from, direction;
+  double time; /* of the shutter */
+  int share;   /* which part of the directions to sky and lights, 0 to SKF_SHARES - 1; negative: all of them, few */
+  double jitter[2]; /* in [0, 1), within this part */
+  int depth;        /* bounces so far */
+  bool mirrored;    /* and once in a mirror: then it sees the sky that lights bodies, too */
+  bool scattered;   /* one of many through its pixel, which is their mean */
+  double weight;    /* of its light in the pixel */
+  double height;    /* in the picture, 0 to 1, of what a ray of the camera sees of the background; else < 0 */
+} skf_beam;
+
+enum { SKF_SHARES = 16 };
+
+/* ---- render_trace.c ---- */
+skf_sight skf_look_along(const skf_stage *g, const skf_beam *beam, skf_ray_report *report);
+/* Rays to the sky (`sky` of them) and to each light (`soft` to those with an extent) fill lit; hard_only leaves all but
+   the hard lights. */
+void skf_light_at(const skf_stage *g, const skf_sight *at, const skf_beam *beam, int sky, int soft, bool hard_only,
+                  float *lit);
+/* Light back along the beam from what it meets. */
+void skf_radiance(const skf_stage *g, const skf_beam *beam, const skf_sight *at, const float *lit, double rgb[3]);
+bool skf_light_is_hard(const skf_light *light);
+
+/* ---- render_shade.c ---- */
+/* Direction to a light and how far it is, INFINITY for directional ones. */
 skf_vec3 skf_light_direction(const skf_light *light, skf_vec3 at, double *distance);
+/* The same to one place of its extent; a, b in [0, 1). */
+skf_vec3 skf_light_sample(const skf_light *light, skf_vec3 at, double a, double b, double *distance);
 /* The three lights that follow the camera. */
 void skf_lights_default(const skf_view *view, skf_light out[3]);
 void skf_background(const skf_render_scene *s, double share_up, double rgb[3]);
-void skf_shade(const skf_render_scene *s, const skf_light *lights, size_t light_count, const skf_view *view,
-               const skf_sight *sight, const skf_lit *lit, double share_up, double rgb[3]);
+void skf_sky(const skf_view *view, skf_vec3 direction, double rgb[3]);
+/* What the surface itself sends to `eye`, a unit vector. */
+void skf_shade(const skf_stage *g, const skf_look *look, const skf_sight *at, skf_vec3 normal, skf_vec3 eye,
+               const float *lit, double rgb[3]);
+void skf_shade_ground(const skf_stage *g, const skf_sight *at, const float *lit, double rgb[3]);
+/* Share of the light that a smooth surface reflects [Fresnel]: n is the index before it over the index behind it.
+ *bent, the cosine behind it, is set where the share is below 1. */
+double skf_fresnel(double cosine, double n, double *bent);
+
+/* ---- render_look.c: mixed materials ---- */
+typedef struct skf_palette skf_palette;
+skf_status skf_palette_new(const skf_render_body *body, skf_palette **out);
+void skf_palette_free(skf_palette *p);
+/* The look at a place of a body, with its textures, and the normal that they turn. p may be NULL. */
+void skf_palette_at(const skf_palette *p, const skf_render_body *body, const skf_sight *at, skf_look *look,
+                    skf_vec3 *normal);
+bool skf_look_is_clear(const skf_render_body *body);
+/* From the frame of the inertial world to the body's own, and back, at a time of the shutter. */
+skf_vec3 skf_body_own(const skf_render_body *b, double time, skf_vec3 v, bool place);
+skf_vec3 skf_body_world(const skf_render_body *b, double time, skf_vec3 v, bool place);
+
+/* ---- render_texture.c ---- */
+/* Smooth noise of period about 1, in [-1, 1], 0 on the lattice of integers [Perlin 1985]; g: its gradient, or NULL. */
+double skf_noise(skf_vec3 p, skf_vec3 *g);
+/* Colour of a texture that gives one; uv for images. */
+void skf_texture_color(const skf_texture *t, skf_vec3 p, const double uv[2], double rgb[3]);
+/* Gradient of the relief's height [1]. */
+skf_vec3 skf_texture_relief(const skf_texture *t, skf_vec3 p);
+/* Places of a primitive's surface by its own coordinates, both in [0, 1]: around a point or an axis, along it; in a
+   triangle along two edges; in a plane by length. */
+void skf_primitive_uv(const skf_primitive *p, skf_vec3 x, double uv[2]);
 
 #endif

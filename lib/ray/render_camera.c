@@ -6,31 +6,56 @@
 
 skf_status skf_view_make(const skf_camera *c, double aspect, skf_view *out) {
   skf_vec3 way = v3_sub(c->to, c->from);
-  if (!v3_finite(way) || !(v3_norm(way) > 0) || !(c->fov > 0 && c->fov < SKF_PI) || !(aspect > 0)) return SKF_ERR_ARG;
+  bool parallel = c->height != 0,
+       lens = c->aperture >= 0 && isfinite(c->aperture) && c->focus >= 0 && isfinite(c->focus);
+  if (!v3_finite(way) || !(v3_norm(way) > 0) || !(aspect > 0) || !lens) return SKF_ERR_ARG;
+  if (parallel ? !(c->height > 0 && isfinite(c->height)) : !(c->fov > 0 && c->fov < SKF_PI)) return SKF_ERR_ARG;
   out->from = c->from;
   out->forward = v3_unit(way);
   skf_vec3 up = v3_unit(c->up), side = v3_cross(out->forward, up);
   if (!(v3_norm(side) > 1e-9)) side = v3_perp(out->forward); /* it looks along its own upright */
   out->right = v3_unit(side);
   out->up = v3_cross(out->right, out->forward);
-  out->tan_y = tan(c->fov / 2), out->tan_x = out->tan_y * aspect;
+  out->parallel = parallel;
+  out->tan_y = parallel ? c->height / 2 : tan(c->fov / 2), out->tan_x = out->tan_y * aspect;
+  out->aperture = c->aperture, out->focus = c->focus > 0 ? c->focus : v3_norm(way);
   return SKF_OK;
 }
 
-skf_vec3 skf_view_ray(const skf_view *v, int width, int height, double px, double py) {
+static skf_vec3 on_plane(const skf_view *v, skf_vec3 from, int width, int height, double px, double py) {
   double x = (2 * px / width - 1) * v->tan_x, y = (1 - 2 * py / height) * v->tan_y;
-  return v3_unit(v3_mad(v3_mad(v->forward, x, v->right), y, v->up));
+  return v3_mad(v3_mad(from, x, v->right), y, v->up);
+}
+
+skf_vec3 skf_view_ray(const skf_view *v, int width, int height, double px, double py) {
+  return v->parallel ? v->forward : v3_unit(on_plane(v, v->forward, width, height, px, py));
+}
+
+skf_vec3 skf_view_origin(const skf_view *v, int width, int height, double px, double py) {
+  return v->parallel ? on_plane(v, v->from, width, height, px, py) : v->from;
+}
+
+void skf_view_lens(const skf_view *v, double x, double y, skf_vec3 *from, skf_vec3 *direction) {
+  skf_vec3 sharp = v3_mad(*from, v->focus / v3_dot(*direction, v->forward), *direction);
+  *from = v3_mad(v3_mad(*from, v->aperture * x, v->right), v->aperture * y, v->up);
+  *direction = v3_unit(v3_sub(sharp, *from));
+}
+
+double skf_view_height(const skf_view *v, skf_vec3 direction) {
+  double wide = v->parallel ? 0.36 : v->tan_y; /* as if through 40 degrees */
+  double y = v3_dot(direction, v->up) / (fabs(v3_dot(direction, v->forward)) * wide);
+  return isnan(y) ? 0.5 : fmin(fmax(0.5 + 0.5 * y, 0), 1);
 }
 
 bool skf_camera_project(const skf_camera *camera, int width, int height, skf_vec3 p, double px[3]) {
   skf_view v;
   if (skf_view_make(camera, (double)width / height, &v)) return false;
   skf_vec3 d = v3_sub(p, v.from);
-  double z = v3_dot(d, v.forward);
+  double z = v3_dot(d, v.forward), scale = v.parallel ? 1 : z;
   if (!(z > 0)) return false;
-  px[0] = width * (1 + v3_dot(d, v.right) / (z * v.tan_x)) / 2;
-  px[1] = height * (1 - v3_dot(d, v.up) / (z * v.tan_y)) / 2;
-  px[2] = v3_norm(d);
+  px[0] = width * (1 + v3_dot(d, v.right) / (scale * v.tan_x)) / 2;
+  px[1] = height * (1 - v3_dot(d, v.up) / (scale * v.tan_y)) / 2;
+  px[2] = v.parallel ? z : v3_norm(d);
   return true;
 }
 
@@ -149,7 +174,7 @@ static skf_status frame(const skf_field *const *fields, const double *isos, cons
 skf_status skf_camera_frame(const skf_field *const *fields, const double *isos, size_t count, const skf_vec3 *points,
                             size_t n, double azimuth, double elevation, double fov, double aspect, skf_camera *out) {
   skf_vec3 back = v3(cos(elevation) * cos(azimuth), cos(elevation) * sin(azimuth), sin(elevation));
-  skf_camera camera = {true, back, {0, 0, 0}, {0, 0, 1}, fov};
+  skf_camera camera = {.given = true, .from = back, .up = {0, 0, 1}, .fov = fov};
   skf_view v;
   skf_status status = skf_view_make(&camera, aspect, &v);
   if (status) return status;

@@ -4,12 +4,34 @@
 #include "ray/render.h"
 
 static const double sky_above[3] = {0.26, 0.30, 0.38}, sky_below[3] = {0.10, 0.09, 0.08};
-static const double roughness2 = 0.16; /* the square of GGX's alpha = 0.4: a satin look */
-static const double facing = 0.04;     /* share that a dielectric surface reflects when seen from the front */
 
 skf_vec3 skf_light_direction(const skf_light *light, skf_vec3 at, double *distance) {
   skf_vec3 way = light->directional ? light->at : v3_sub(light->at, at);
   *distance = light->directional ? INFINITY : v3_norm(way);
+  return v3_unit(way);
+}
+
+bool skf_light_is_hard(const skf_light *l) {
+  if (l->directional) return l->radius < 0;
+  return !(l->radius > 0) && v3_norm2(l->u) == 0 && v3_norm2(l->v) == 0;
+}
+
+/* Half the angle that directional lights span which say nothing: 2 degrees. */
+static const double light_radius = 0.035;
+
+skf_vec3 skf_light_sample(const skf_light *l, skf_vec3 at, double a, double b, double *distance) {
+  skf_vec3 to = skf_light_direction(l, at, distance), place = l->at;
+  if (skf_light_is_hard(l)) return to;
+  double out = sqrt(a), turn = 2 * SKF_PI * b, size = l->radius;
+  if (l->directional) size = tan(size > 0 ? fmin(size, 1.5) : light_radius);
+  skf_vec3 x = v3_perp(to), y = v3_cross(to, x);
+  if (v3_norm2(l->u) > 0 || v3_norm2(l->v) > 0)
+    place = v3_mad(v3_mad(place, a - 0.5, l->u), b - 0.5, l->v);
+  else /* the disc that the ball shows */
+    place = v3_mad(v3_mad(l->directional ? to : place, size * out * cos(turn), x), size * out * sin(turn), y);
+  if (l->directional) return v3_unit(place);
+  skf_vec3 way = v3_sub(place, at);
+  *distance = v3_norm(way);
   return v3_unit(way);
 }
 
@@ -27,54 +49,70 @@ void skf_background(const skf_render_scene *s, double up, double rgb[3]) {
   for (int k = 0; k < 3; k++) rgb[k] = s->background[0][k] + up * (s->background[1][k] - s->background[0][k]);
 }
 
-/* GGX with Smith's shadowing and Schlick's Fresnel term, times cos(light) pi. */
-static double gloss(skf_vec3 n, skf_vec3 to_light, skf_vec3 to_eye) {
+void skf_sky(const skf_view *view, skf_vec3 direction, double rgb[3]) {
+  double above = 0.5 + 0.5 * v3_dot(direction, view->up);
+  for (int k = 0; k < 3; k++) rgb[k] = sky_below[k] + above * (sky_above[k] - sky_below[k]);
+}
+
+/* GGX with Smith's shadowing and Schlick's Fresnel term, times cos(light) pi; adds to rgb. */
+static void add_gloss(const skf_look *look, skf_vec3 n, skf_vec3 to_light, skf_vec3 to_eye, const double light[3],
+                      double rgb[3]) {
+  double a2 = 2 / (look->shine + 2); /* the square of GGX's alpha */
   skf_vec3 h = v3_unit(v3_add(to_light, to_eye));
   double nl = v3_dot(n, to_light), ne = fmax(v3_dot(n, to_eye), 1e-4), nh = v3_dot(n, h),
          eh = fmax(v3_dot(to_eye, h), 0);
-  double d = nh * nh * (roughness2 - 1) + 1, f = 1 - eh;
-  double fresnel = facing + (1 - facing) * f * f * f * f * f;
-  double smith =
-      nl * sqrt(ne * ne * (1 - roughness2) + roughness2) + ne * sqrt(nl * nl * (1 - roughness2) + roughness2);
-  return roughness2 / (d * d) * fresnel * nl / (2 * smith);
+  double d = nh * nh * (a2 - 1) + 1, f = 1 - eh, f5 = f * f * f * f * f;
+  double smith = nl * sqrt(ne * ne * (1 - a2) + a2) + ne * sqrt(nl * nl * (1 - a2) + a2);
+  for (int k = 0; k < 3; k++) {
+    if (!(look->specular[k] > 0)) continue;
+    double fresnel = look->specular[k] + (1 - look->specular[k]) * f5;
+    rgb[k] += light[k] * (a2 / (d * d) * fresnel * nl / (2 * smith));
+  }
 }
 
-static void shade_ground(const skf_render_scene *s, const skf_light *lights, size_t n, const skf_sight *at,
-                         const skf_lit *lit, double up, double rgb[3]) {
-  double full = 0.6, seen = 0.6 * lit->sky, unused; /* the sky's part in the light on the floor */
-  for (size_t k = 0; k < n; k++) {
-    double c = fmax(v3_dot(at->normal, skf_light_direction(lights + k, at->at, &unused)), 0) * lights[k].color[1];
-    full += c, seen += c * lit->light[k];
+void skf_shade_ground(const skf_stage *g, const skf_sight *at, const float *lit, double rgb[3]) {
+  for (int k = 0; k < 3; k++) {
+    double full = 0.6, seen = 0.6 * lit[0], unused; /* the sky's part in the light on the floor */
+    for (size_t l = 0; l < g->light_count; l++) {
+      double c =
+          fmax(v3_dot(at->normal, skf_light_direction(g->lights + l, at->at, &unused)), 0) * g->lights[l].color[1];
+      full += c, seen += c * lit[1 + 3 * l + k];
+    }
+    rgb[k] *= seen / full;
   }
-  skf_background(s, up, rgb);
-  for (int k = 0; k < 3; k++) rgb[k] *= seen / full;
 }
 
-void skf_shade(const skf_render_scene *s, const skf_light *lights, size_t n, const skf_view *view, const skf_sight *at,
-               const skf_lit *lit, double up, double rgb[3]) {
-  if (at->body == SKF_NOTHING) {
-    skf_background(s, up, rgb);
-    return;
+void skf_shade(const skf_stage *g, const skf_look *look, const skf_sight *at, skf_vec3 normal, skf_vec3 eye,
+               const float *lit, double rgb[3]) {
+  double sky[3], matt[3], gloss[3] = {0, 0, 0};
+  skf_sky(&g->view, normal, sky);
+  for (int k = 0; k < 3; k++) matt[k] = look->color[k] * look->ambient * lit[0] * sky[k];
+  for (size_t l = 0; l < g->light_count; l++) {
+    double unused, light[3];
+    skf_vec3 to = skf_light_direction(g->lights + l, at->at, &unused);
+    double c = v3_dot(normal, to);
+    for (int k = 0; k < 3; k++) light[k] = lit[1 + 3 * l + k] * g->lights[l].color[k];
+    if (!(c > 0) || !(light[0] + light[1] + light[2] > 0)) continue;
+    for (int k = 0; k < 3; k++) matt[k] += light[k] * c * look->diffuse * look->color[k];
+    add_gloss(look, normal, to, eye, light, gloss);
   }
-  if (at->body == SKF_GROUND) {
-    shade_ground(s, lights, n, at, lit, up, rgb);
-    return;
-  }
-  const double *color = s->bodies[at->body].color;
-  skf_vec3 eye = v3_unit(v3_sub(view->from, at->at));
-  double above = 0.5 + 0.5 * v3_dot(at->normal, view->up);
-  for (int k = 0; k < 3; k++) rgb[k] = color[k] * lit->sky * (sky_below[k] + above * (sky_above[k] - sky_below[k]));
-  for (size_t l = 0; l < n; l++) {
-    double unused;
-    skf_vec3 to = skf_light_direction(lights + l, at->at, &unused);
-    double c = v3_dot(at->normal, to);
-    if (!(c > 0) || !(lit->light[l] > 0)) continue;
-    double shine = gloss(at->normal, to, eye);
-    for (int k = 0; k < 3; k++) rgb[k] += lit->light[l] * lights[l].color[k] * (c * color[k] + shine);
-  }
+  for (int k = 0; k < 3; k++) rgb[k] = (1 - look->transparency[k]) * matt[k] + gloss[k];
+}
+
+double skf_fresnel(double cosine, double n, double *bent) {
+  double sine2 = n * n * (1 - cosine * cosine);
+  if (sine2 >= 1) return 1;
+  double c = *bent = sqrt(1 - sine2);
+  double across = (n * cosine - c) / (n * cosine + c), along = (cosine - n * c) / (cosine + n * c);
+  return (across * across + along * along) / 2;
 }
 
 static double press(double x) { return x <= 0.7 ? fmax(x, 0) : 1 - 0.3 * exp((0.7 - x) / 0.3); }
+
+static double encode(double x) {
+  x = press(x);
+  return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
+}
 
 void skf_render_srgb(const float *rgb, int width, size_t n, unsigned char *out) {
   for (size_t i = 0; i < n; i++) {
@@ -82,10 +120,11 @@ void skf_render_srgb(const float *rgb, int width, size_t n, unsigned char *out) 
     unsigned h = (unsigned)(i % (size_t)width) * 73856093u ^ (unsigned)(i / (size_t)width) * 19349663u;
     h = (h ^ h >> 15) * 0x2c1b3c6du, h = (h ^ h >> 12) * 0x297a2d39u, h ^= h >> 15;
     double noise = h / 4294967296.0 - 0.5;
-    for (int k = 0; k < 3; k++) {
-      double x = press(rgb[3 * i + k]);
-      double v = x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
-      out[3 * i + k] = (unsigned char)fmin(fmax(floor(255 * v + 0.5 + noise), 0), 255);
-    }
+    for (int k = 0; k < 3; k++)
+      out[3 * i + k] = (unsigned char)fmin(fmax(floor(255 * encode(rgb[3 * i + k]) + 0.5 + noise), 0), 255);
   }
+}
+
+void skf_render_srgb16(const float *rgb, size_t n, unsigned short *out) {
+  for (size_t i = 0; i < 3 * n; i++) out[i] = (unsigned short)fmin(fmax(floor(65535 * encode(rgb[i]) + 0.5), 0), 65535);
 }

@@ -154,7 +154,11 @@ static skf_status finish(skf_reader *r, draft *d, const skf_node *map, unsigned 
   }
   b->has_mass = given >> KEY_MASS & 1;
   const skf_material *m = d->style.material;
-  if (m && m->has_color && !(given >> KEY_COLOR & 1)) memcpy(b->color, m->color, sizeof b->color);
+  if (!(b->looks = skf_alloc(1, sizeof *b->looks))) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+  b->looks[0] = skf_look_default(), b->look_count = 1;
+  skf_material_paint(m, b->looks);
+  if (given >> KEY_COLOR & 1) memcpy(b->looks[0].color, b->color, sizeof b->color);
+  memcpy(b->color, b->looks[0].color, sizeof b->color);
   skf_status s = skf_read_skeleton(r, d->skeleton, &d->style, b);
   if (!s) s = set_density(r, b, map);
   if (s) return s;

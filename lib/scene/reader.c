@@ -46,6 +46,7 @@ const char *skf_key_form(const skf_key *key, char *text, size_t size) {
   case SKF_KEY_VECTOR: return "[x, y, z]";
   case SKF_KEY_VECTORS: snprintf(text, size, "a list of %d points [x, y, z]", key->count); return text;
   case SKF_KEY_COLOR: return "[red, green, blue] from 0 to 1";
+  case SKF_KEY_SHARE: return "a number or a color from 0 to 1";
   case SKF_KEY_NAME: return "a name";
   default: return key->form;
   }
@@ -92,16 +93,30 @@ skf_status skf_read_number(skf_reader *r, const skf_node *node, const skf_key *k
 
 static skf_status read_three(skf_reader *r, const skf_node *node, const skf_key *key, double x[3]) {
   char buffer[64];
-  const char *form = key->type == SKF_KEY_COLOR ? skf_key_form(key, buffer, sizeof buffer) : "[x, y, z]";
+  bool color = key->type == SKF_KEY_COLOR || key->type == SKF_KEY_SHARE;
+  const char *form = color ? skf_key_form(key, buffer, sizeof buffer) : "[x, y, z]";
   skf_status s = skf_expect(r, node, SKF_NODE_LIST, key->name, form);
   if (s) return s;
   if (node->count != 3)
     return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "%s has %d entries, expected %s", key->name, node->count,
                          form);
-  const skf_key one = {.name = key->name, .range = key->type == SKF_KEY_COLOR ? &skf_fraction : NULL};
+  const skf_key one = {.name = key->name, .range = color ? &skf_fraction : NULL};
   const skf_node *n = skf_node_first(&r->yaml, node);
   for (int i = 0; i < 3 && !s; i++, n = skf_node_next(&r->yaml, n)) s = skf_read_number(r, n, &one, x + i);
   return s;
+}
+
+static skf_status read_share(skf_reader *r, const skf_node *node, const skf_key *key, double x[3]) {
+  if (node->type == SKF_NODE_LIST) return read_three(r, node, key, x);
+  const skf_key one = {.name = key->name, .range = &skf_fraction};
+  skf_status s = skf_read_number(r, node, &one, x);
+  if (!s) x[1] = x[2] = x[0];
+  return s;
+}
+
+skf_status skf_read_color(skf_reader *r, const skf_node *node, const char *name, double out[3]) {
+  const skf_key key = {.name = name, .type = SKF_KEY_COLOR};
+  return read_three(r, node, &key, out);
 }
 
 skf_status skf_read_vector(skf_reader *r, const skf_node *node, const skf_key *key, skf_vec3 *out) {
@@ -162,6 +177,7 @@ static skf_status read_value(skf_reader *r, const skf_node *value, const skf_key
   case SKF_KEY_VECTOR: return skf_read_vector(r, value, key, at);
   case SKF_KEY_VECTORS: return read_vectors(r, value, key, at);
   case SKF_KEY_COLOR: return read_three(r, value, key, at);
+  case SKF_KEY_SHARE: return read_share(r, value, key, at);
   case SKF_KEY_NAME: return skf_read_name(r, value, key, at);
   default: return key->read(r, value, into);
   }

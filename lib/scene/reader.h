@@ -24,6 +24,7 @@ typedef enum skf_key_type {
   SKF_KEY_VECTOR,  /* skf_vec3 */
   SKF_KEY_VECTORS, /* `count` consecutive skf_vec3 */
   SKF_KEY_COLOR,   /* double[3], each in [0, 1] */
+  SKF_KEY_SHARE,   /* the same, or one number for all three */
   SKF_KEY_NAME,    /* char *, allocated */
   SKF_KEY_OTHER    /* whatever its `read` reads */
 } skf_key_type;
@@ -59,7 +60,7 @@ typedef struct skf_section {
 extern const skf_section *const skf_sections[];
 extern const skf_section skf_section_scene, skf_section_gravity, skf_section_body, skf_section_spin,
     skf_section_ellipsoid, skf_section_particle, skf_section_launch, skf_section_simulation, skf_section_camera,
-    skf_section_light;
+    skf_section_light, skf_section_area, skf_section_fog, skf_section_background;
 
 /* Reads a mapping into a struct. *given, unless NULL, gets bit i for the i-th key. */
 skf_status skf_read_map(skf_reader *r, const skf_node *map, const skf_section *section, void *into, unsigned *given);
@@ -71,6 +72,7 @@ const char *skf_key_form(const skf_key *key, char *text, size_t size);
 skf_status skf_expect(skf_reader *r, const skf_node *node, skf_node_type type, const char *name, const char *form);
 skf_status skf_read_number(skf_reader *r, const skf_node *node, const skf_key *key, double *out);
 skf_status skf_read_vector(skf_reader *r, const skf_node *node, const skf_key *key, skf_vec3 *out);
+skf_status skf_read_color(skf_reader *r, const skf_node *node, const char *name, double out[3]);
 skf_status skf_read_name(skf_reader *r, const skf_node *node, const skf_key *key, char **out);
 
 /* The value of a key in a map, or NULL. */
@@ -89,6 +91,8 @@ skf_status skf_resolve_launches(skf_reader *r, const skf_node *particles);
 skf_status skf_read_simulation(skf_reader *r, const skf_node *map, void *scene);
 skf_status skf_read_camera(skf_reader *r, const skf_node *map, void *scene);
 skf_status skf_read_lights(skf_reader *r, const skf_node *list, void *scene);
+skf_status skf_read_fog(skf_reader *r, const skf_node *map, void *scene);
+skf_status skf_read_background(skf_reader *r, const skf_node *value, void *scene);
 /* Refuses two entries of a list with the same name; name_at gives the i-th. */
 skf_status skf_refuse_duplicates(skf_reader *r, const skf_node *list, const char *what, size_t n,
                                  const char *(*name_at)(const skf_scene *scene, size_t i));

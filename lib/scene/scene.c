@@ -40,6 +40,7 @@ enum {
   KEY_CAMERA,
   KEY_LIGHTS,
   KEY_BACKGROUND,
+  KEY_FOG,
   KEY_MATERIALS,
   KEYS
 };
@@ -56,17 +57,19 @@ static const skf_key scene_keys[KEYS] = {
     [KEY_CAMERA] = {"camera", NULL, "for render", SKF_KEY_OTHER, .read = skf_read_camera,
                     .form = "{from, to, up, fov}"},
     [KEY_LIGHTS] = {"lights", NULL, "for render", SKF_KEY_OTHER, .read = skf_read_lights, .form = "a list of lights"},
-    [KEY_BACKGROUND] = {"background", "1", "linear light, for render", SKF_KEY_COLOR, false,
-                        .offset = offsetof(skf_scene, background)},
+    [KEY_BACKGROUND] = {"background", "1", "linear light, for render", SKF_KEY_OTHER, .read = skf_read_background,
+                        .form = "a color or {bottom, top}"},
+    [KEY_FOG] = {"fog", NULL, "for render", SKF_KEY_OTHER, .read = skf_read_fog, .form = "{distance, color}"},
     [KEY_MATERIALS] = {"materials", NULL, "named properties of bodies and primitives", SKF_KEY_OTHER,
                        .read = skf_read_materials, .form = "a list of materials"},
 };
 const skf_section skf_section_scene = {"scene", "the whole file", scene_keys, KEYS};
 
-const skf_section *const skf_sections[] = {&skf_section_scene,    &skf_section_gravity, &skf_section_material,
-                                           &skf_section_body,     &skf_section_spin,    &skf_section_ellipsoid,
-                                           &skf_section_particle, &skf_section_launch,  &skf_section_simulation,
-                                           &skf_section_camera,   &skf_section_light,   NULL};
+const skf_section *const skf_sections[] = {
+    &skf_section_scene,      &skf_section_gravity,   &skf_section_material, &skf_section_body,
+    &skf_section_spin,       &skf_section_ellipsoid, &skf_section_particle, &skf_section_launch,
+    &skf_section_simulation, &skf_section_camera,    &skf_section_light,    &skf_section_area,
+    &skf_section_background, &skf_section_fog,       &skf_section_texture,  NULL};
 
 /* The first entry of a list that repeats an earlier one's name. */
 typedef struct named {
@@ -191,6 +194,8 @@ void skf_scene_free(skf_scene *scene) {
     for (size_t k = 0; k < b->element_count; k++)
       if (b->elements[k].primitive.shape == SKF_SOLID) skf_solid_free(b->elements[k].primitive.solid);
     skf_free(b->elements);
+    skf_free(b->looks);
+    skf_free(b->look_of);
     skf_free(b->element_lines);
     skf_free(b->handled);
     for (size_t k = 0; k < b->profile_count; k++) skf_free(b->profiles[k]);
@@ -201,5 +206,7 @@ void skf_scene_free(skf_scene *scene) {
   skf_free(scene->bodies);
   skf_free(scene->particles);
   skf_free(scene->lights);
+  for (size_t i = 0; i < scene->image_count; i++) skf_free(scene->images[i]->path), skf_free(scene->images[i]);
+  skf_free(scene->images);
   skf_free(scene);
 }

@@ -31,6 +31,7 @@ const skf_key skf_entry_keys[SKF_ENTRY_KEYS] = {
      .form = "a material's name"},
     {"profile", "1", "of curves: weight from end to end, see below", SKF_KEY_OTHER, .read = keep_profile,
      .form = "hat, sin2, {linear: ...}, ..."},
+    {"color", "1", "linear light, mixed along the surface", SKF_KEY_COLOR, .offset = offsetof(skf_entry, color)},
 };
 
 enum { ENTRY_KEYS = SKF_HELIX_KEYS + SKF_ENTRY_KEYS, KINDS = SKF_SHAPE_COUNT + SKF_COMPOUND_COUNT };
@@ -120,6 +121,9 @@ static skf_status grow(skf_reader *r, skf_pieces *into) {
   long *lines = elements ? skf_realloc(b->element_lines, n, sizeof *lines) : NULL;
   if (!lines) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
   b->element_lines = lines;
+  unsigned char *looks = skf_realloc(b->look_of, n, 1);
+  if (!looks) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+  b->look_of = looks;
   into->capacity = n;
   return SKF_OK;
 }
@@ -133,7 +137,7 @@ skf_status skf_add_piece(skf_reader *r, const skf_entry *e, const skf_primitive 
     return skf_error_set(r->error, SKF_ERR_RANGE, e->kind->line,
                          "measure of the %s overflows, expected smaller numbers", e->name);
   if (b->element_count == into->capacity && (s = grow(r, into))) return s;
-  b->element_lines[b->element_count] = e->kind->line;
+  b->element_lines[b->element_count] = e->kind->line, b->look_of[b->element_count] = 0;
   b->elements[b->element_count++] = (skf_element){
       .primitive = *p, .kernel = e->style.kernel, .strength = isnan(e->style.strength) ? 1 : e->style.strength};
   return SKF_OK;
@@ -181,6 +185,45 @@ static skf_status handle(skf_reader *r, const skf_entry *e, size_t first, skf_pi
   return SKF_OK;
 }
 
+static bool same_color(const double a[3], const double b[3]) {
+  return isnan(a[0]) ? isnan(b[0]) : a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+static skf_status add_look(skf_reader *r, const skf_entry *e, skf_pieces *into) {
+  skf_body *b = into->body;
+  if (b->look_count == SKF_LOOKS)
+    return skf_error_set(r->error, SKF_ERR_RANGE, e->kind->line, "more than %d looks in a body, expected fewer colours",
+                         SKF_LOOKS);
+  if (b->look_count >= into->look_capacity) {
+    size_t n = 2 * into->look_capacity + 4;
+    skf_look *looks = skf_realloc(b->looks, n, sizeof *looks);
+    if (looks) b->looks = looks;
+    skf_look_key *keys = looks ? skf_realloc(into->look_keys, n, sizeof *keys) : NULL;
+    if (!keys) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+    into->look_keys = keys, into->look_capacity = n;
+  }
+  skf_look *look = b->looks + b->look_count;
+  *look = b->looks[0];
+  skf_material_paint(e->style.material, look);
+  if (!isnan(e->color[0])) memcpy(look->color, e->color, sizeof look->color);
+  into->look_keys[b->look_count] = (skf_look_key){e->style.material, {e->color[0], e->color[1], e->color[2]}};
+  b->look_count++;
+  return SKF_OK;
+}
+
+/* The pieces from `first` on look like the entry: like the body where it says nothing. */
+static skf_status paint(skf_reader *r, const skf_entry *e, size_t first, skf_pieces *into) {
+  skf_body *b = into->body;
+  size_t i = 1;
+  if (!e->style.material && isnan(e->color[0])) return SKF_OK;
+  while (i < b->look_count &&
+         (into->look_keys[i].material != e->style.material || !same_color(into->look_keys[i].color, e->color)))
+    i++;
+  skf_status s = i == b->look_count ? add_look(r, e, into) : SKF_OK;
+  for (size_t k = first; k < b->element_count && !s; k++) b->look_of[k] = (unsigned char)i;
+  return s;
+}
+
 /* What an entry that was not added holds. */
 static void release(const skf_entry *e) {
   if (e->element.primitive.shape == SKF_SOLID) skf_solid_free(e->element.primitive.solid);
@@ -199,6 +242,7 @@ static skf_status read_entry(skf_reader *r, const skf_node *entry, const entry_t
                  .style = skf_no_style,
                  .helix.end_radius = -1,
                  .axis = {0, 0, 1},
+                 .color = {NAN},
                  .name = kind_name(kind),
                  .kind = word,
                  .map = value};
@@ -212,6 +256,7 @@ static skf_status read_entry(skf_reader *r, const skf_node *entry, const entry_t
              : skf_compounds[kind - SKF_SHAPE_COUNT].expand(r, &e, into);
   if (!s && e.profile) s = weigh(r, &e, first, into);
   if (s && into->body->element_count == first) release(&e);
+  if (!s) s = paint(r, &e, first, into);
   return s ? s : handle(r, &e, first, into);
 }
 
@@ -222,5 +267,6 @@ skf_status skf_read_skeleton(skf_reader *r, const skf_node *list, const skf_styl
   for (int i = 0; i < KINDS; i++) make_table(i, tables + i);
   for (const skf_node *n = skf_node_first(&r->yaml, list); n && !s; n = skf_node_next(&r->yaml, n))
     s = read_entry(r, n, tables, style, &pieces);
+  skf_free(pieces.look_keys);
   return s;
 }

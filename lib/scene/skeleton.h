@@ -20,17 +20,25 @@ typedef struct skf_entry {
   skf_helix helix;             /* or a spiral; end_radius < 0: not given */
   skf_vec3 center, size, axis; /* of a box, and how it is turned */
   double angle;
+  double color[3]; /* the first NAN: not given */
 } skf_entry;
 
 /* The keys that every entry may have besides its own. */
-enum { SKF_ENTRY_KEYS = 7 };
+enum { SKF_ENTRY_KEYS = 8 };
 #define SKF_OTHER_RADIUS "thickness" /* what the handle `radius` is called where the primitive has a radius */
 extern const skf_key skf_entry_keys[SKF_ENTRY_KEYS];
+
+/* What makes a look of an entry. */
+typedef struct skf_look_key {
+  const skf_material *material;
+  double color[3];
+} skf_look_key;
 
 /* The elements of a body, as they grow. */
 typedef struct skf_pieces {
   skf_body *body;
-  size_t capacity, handled_capacity, profile_capacity;
+  skf_look_key *look_keys; /* of looks[1] and so on */
+  size_t look_capacity, capacity, handled_capacity, profile_capacity;
 } skf_pieces;
 
 /* Checks the primitive and appends it with the entry's kernel, strength and line. */

@@ -57,6 +57,12 @@ static skf_status read_kernel(skf_reader *r, const skf_node *map, void *into) {
   return skf_read_kernel(r, map, &((skf_material *)into)->style);
 }
 
+static skf_status read_texture(skf_reader *r, const skf_node *value, void *into) {
+  return skf_read_textures(r, value, &((skf_material *)into)->look);
+}
+
+static const skf_range indices = {0.1, 10, false};
+
 static const skf_key material_keys[] = {
     {"name", NULL, "unique among the materials", SKF_KEY_NAME, true, .offset = offsetof(skf_material, name)},
     {"kernel", NULL, "without its parameter where handles give it", SKF_KEY_OTHER, .read = read_kernel,
@@ -65,9 +71,26 @@ static const skf_key material_keys[] = {
     SKF_RADIUS_KEY(skf_material, style),
     SKF_BLOBBINESS_KEY(skf_material, style),
     SKF_INFLUENCE_KEY(skf_material, style),
-    {"color", "1", "linear light, of the bodies made of it", SKF_KEY_COLOR, .offset = offsetof(skf_material, color)},
+    {"color", "1", "linear light that the matt body sends back", SKF_KEY_COLOR,
+     .offset = offsetof(skf_material, look.color)},
+    {"ambient", "1", "share of the sky's light (default: 1)", SKF_KEY_NUMBER,
+     .offset = offsetof(skf_material, look.ambient), .range = &skf_not_negative},
+    {"diffuse", "1", "share of the lights' light (default: 1)", SKF_KEY_NUMBER,
+     .offset = offsetof(skf_material, look.diffuse), .range = &skf_not_negative},
+    {"specular", "1", "of its gloss, seen from the front (default: 0.04)", SKF_KEY_SHARE,
+     .offset = offsetof(skf_material, look.specular)},
+    {"shine", "1", "Phong's exponent of the gloss (default: 10.5)", SKF_KEY_NUMBER,
+     .offset = offsetof(skf_material, look.shine), .range = &skf_positive},
+    {"reflection", "1", "share that it mirrors (default: 0)", SKF_KEY_SHARE,
+     .offset = offsetof(skf_material, look.reflection)},
+    {"transparency", "1", "share that each surface lets through (default: 0)", SKF_KEY_SHARE,
+     .offset = offsetof(skf_material, look.transparency)},
+    {"ior", "1", "index of refraction (default: 1)", SKF_KEY_NUMBER, .offset = offsetof(skf_material, look.ior),
+     .range = &indices},
+    {"texture", NULL, "see below; up to 4, whose colours multiply", SKF_KEY_OTHER, .read = read_texture,
+     .form = "{type: ...}, or a list of them"},
 };
-enum { COLOR = 6, MATERIAL_KEYS };
+enum { COLOR = 6, AMBIENT, DIFFUSE, SPECULAR, SHINE, REFLECTION, TRANSPARENCY, IOR, TEXTURE, MATERIAL_KEYS };
 const skf_section skf_section_material = {"material", "what bodies and primitives may share, by its name",
                                           material_keys, MATERIAL_KEYS};
 
@@ -89,16 +112,38 @@ skf_status skf_read_materials(skf_reader *r, const skf_node *list, void *scene) 
   if (!r->materials) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
   for (const skf_node *n = skf_node_first(&r->yaml, list); n && !s; n = skf_node_next(&r->yaml, n)) {
     skf_material *m = r->materials + r->material_count++;
-    unsigned given = 0;
     m->style = skf_no_style;
-    s = skf_read_map(r, n, &skf_section_material, m, &given);
-    m->has_color = given >> COLOR & 1;
+    s = skf_read_map(r, n, &skf_section_material, m, &m->given);
     if (!s) s = refuse_repeated(r, n, r->material_count - 1);
     if (!s && m->style.strength == 0)
       s = skf_error_set(r->error, SKF_ERR_RANGE, skf_map_line(r, n, "strength"),
                         "strength is 0, expected another number");
   }
   return s;
+}
+
+void skf_material_paint(const skf_material *m, skf_look *to) {
+  if (!m) return;
+  const skf_look *l = &m->look;
+  const struct {
+    int key;
+    size_t size;
+    void *to;
+    const void *from;
+  } parts[] = {
+      {COLOR, sizeof l->color, to->color, l->color},
+      {AMBIENT, sizeof l->ambient, &to->ambient, &l->ambient},
+      {DIFFUSE, sizeof l->diffuse, &to->diffuse, &l->diffuse},
+      {SPECULAR, sizeof l->specular, to->specular, l->specular},
+      {SHINE, sizeof l->shine, &to->shine, &l->shine},
+      {REFLECTION, sizeof l->reflection, to->reflection, l->reflection},
+      {TRANSPARENCY, sizeof l->transparency, to->transparency, l->transparency},
+      {IOR, sizeof l->ior, &to->ior, &l->ior},
+      {TEXTURE, sizeof l->texture_count, &to->texture_count, &l->texture_count},
+      {TEXTURE, sizeof l->textures, to->textures, l->textures},
+  };
+  for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+    if (m->given >> parts[i].key & 1) memcpy(parts[i].to, parts[i].from, parts[i].size);
 }
 
 void skf_materials_free(skf_reader *r) {

@@ -15,12 +15,12 @@ typedef struct skf_style {
   const skf_material *material; /* whose words count where these are silent; NULL: none */
 } skf_style;
 
-/* A named style, with a colour for the bodies that are made of it. */
+/* A named style, and how it looks. */
 struct skf_material {
   char *name;
   skf_style style;
-  bool has_color;
-  double color[3];
+  unsigned given; /* which of its keys */
+  skf_look look;
 };
 
 extern const skf_style skf_no_style;
@@ -48,7 +48,12 @@ skf_status skf_read_material(skf_reader *r, const skf_node *name, skf_style *out
 /* Takes from a farther style, and its material, what is not given. */
 void skf_style_inherit(skf_style *to, const skf_style *from);
 
-extern const skf_section skf_section_material;
+/* Puts into a look what the material says of it; NULL says nothing. */
+void skf_material_paint(const skf_material *material, skf_look *look);
+
+extern const skf_section skf_section_material, skf_section_texture;
+/* One texture, or a list of them. */
+skf_status skf_read_textures(skf_reader *r, const skf_node *value, skf_look *look);
 skf_status skf_read_materials(skf_reader *r, const skf_node *list, void *scene);
 void skf_materials_free(skf_reader *r);
 

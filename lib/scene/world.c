@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What moves among the bodies, for how long, and who looks at it. */
+/* What moves among the bodies, and for how long. */
 #include "scene/reader.h"
 #include "core/alloc.h"
 #include "core/vec3.h"
@@ -7,8 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const skf_range latitude = {-90, 90, false}, turn = {-360, 360, false}, half_turn = {0, 179, true},
-                       tolerance = {0, 0.1, true};
+static const skf_range latitude = {-90, 90, false}, turn = {-360, 360, false}, tolerance = {0, 0.1, true};
 
 static skf_status accept(skf_reader *r, const skf_node *value, void *into) {
   return (void)r, (void)value, (void)into, SKF_OK;
@@ -161,73 +160,4 @@ skf_status skf_read_simulation(skf_reader *r, const skf_node *map, void *into) {
   if (s || sim->t_end / sim->output_every <= 1e9) return s; /* rows for each particle */
   return skf_error_set(r->error, SKF_ERR_RANGE, skf_map_line(r, map, "output_every"),
                        "more than 1e9 output times, expected a larger output_every");
-}
-
-static const skf_key camera_keys[] = {
-    {"from", "L", "where the eye is", SKF_KEY_VECTOR, true, .offset = offsetof(skf_camera, from)},
-    {"to", "L", "what it looks at", SKF_KEY_VECTOR, true, .offset = offsetof(skf_camera, to)},
-    {"up", "1", "upwards in the picture (default: z)", SKF_KEY_VECTOR, false, .offset = offsetof(skf_camera, up)},
-    {"fov", "deg", "vertical field of view (default: 40)", SKF_KEY_ANGLE, false, .offset = offsetof(skf_camera, fov),
-     .range = &half_turn},
-};
-const skf_section skf_section_camera = {"camera", "for render; without one the bodies are framed", camera_keys, 4};
-
-skf_status skf_read_camera(skf_reader *r, const skf_node *map, void *into) {
-  skf_camera *c = &((skf_scene *)into)->camera;
-  c->given = true;
-  skf_status s = skf_read_map(r, map, &skf_section_camera, c, NULL);
-  if (s) return s;
-  skf_vec3 view = v3_unit(v3_sub(c->to, c->from));
-  if (!(v3_norm(view) > 0))
-    return skf_error_set(r->error, SKF_ERR_DEGENERATE, skf_map_line(r, map, "to"),
-                         "from and to are the same point, expected two points");
-  if (v3_norm(v3_cross(view, v3_unit(c->up))) > 1e-9) return SKF_OK; /* below, rounding would turn the picture */
-  return skf_error_set(r->error, SKF_ERR_DEGENERATE, skf_map_line(r, map, "up"),
-                       "up is zero or along the view, expected another direction");
-}
-
-/* A light while it is read. */
-typedef struct lamp {
-  skf_vec3 point, direction;
-  double color[3], intensity;
-} lamp;
-
-enum { LIGHT_POINT, LIGHT_DIRECTION, LIGHT_COLOR, LIGHT_INTENSITY, LIGHT_KEYS };
-
-static const skf_key light_keys[LIGHT_KEYS] = {
-    {"point", "L", "where it is", SKF_KEY_VECTOR, false, .offset = offsetof(lamp, point)},
-    {"direction", "1", "towards a light at infinity", SKF_KEY_VECTOR, false, .offset = offsetof(lamp, direction)},
-    {"color", "1", "linear light (default: white)", SKF_KEY_COLOR, false, .offset = offsetof(lamp, color)},
-    {"intensity", "1", "factor of the colour (default: 1)", SKF_KEY_NUMBER, false, .offset = offsetof(lamp, intensity),
-     .range = &skf_not_negative},
-};
-const skf_section skf_section_light = {"light", "a point or a direction, not both", light_keys, LIGHT_KEYS};
-
-static skf_status read_light(skf_reader *r, const skf_node *map, skf_light *out) {
-  lamp l = {.color = {1, 1, 1}, .intensity = 1};
-  unsigned given;
-  skf_status s = skf_read_map(r, map, &skf_section_light, &l, &given);
-  if (s) return s;
-  bool point = given >> LIGHT_POINT & 1;
-  out->directional = given >> LIGHT_DIRECTION & 1;
-  if (point == out->directional)
-    return skf_error_set(r->error, SKF_ERR_PARSE, map->line, "a light with %s, expected point or direction",
-                         point ? "both point and direction" : "neither point nor direction");
-  if (out->directional && !(v3_norm(v3_unit(l.direction)) > 0))
-    return skf_error_set(r->error, SKF_ERR_DEGENERATE, skf_map_line(r, map, "direction"),
-                         "direction is the zero vector, expected a direction");
-  out->at = point ? l.point : l.direction;
-  for (int i = 0; i < 3; i++) out->color[i] = l.color[i] * l.intensity;
-  return SKF_OK;
-}
-
-skf_status skf_read_lights(skf_reader *r, const skf_node *list, void *into) {
-  skf_scene *scene = into;
-  skf_status s = skf_expect(r, list, SKF_NODE_LIST, "lights", "a list of lights");
-  if (s) return s;
-  scene->lights = skf_alloc((size_t)list->count, sizeof *scene->lights);
-  if (!scene->lights) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
-  for (const skf_node *n = skf_node_first(&r->yaml, list); n && !s; n = skf_node_next(&r->yaml, n))
-    s = read_light(r, n, scene->lights + scene->light_count++);
-  return s;
 }

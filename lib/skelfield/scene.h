@@ -33,7 +33,10 @@ typedef struct skf_body {
   double rho;           /* density in force: mass / sum of w mu (0 when a plane makes that infinite), or density */
   skf_spin spin;
   skf_ellipsoid ellipsoid;
-  double color[3]; /* linear RGB in [0, 1] */
+  double color[3]; /* linear RGB in [0, 1]; of looks[0], too */
+  size_t look_count;
+  skf_look *looks;        /* looks[0] is the body's own, the others are those of its entries */
+  unsigned char *look_of; /* of each element: its look */
   size_t element_count;
   skf_element *elements;
   skf_field *field; /* of the elements, body frame */
@@ -69,6 +72,14 @@ typedef struct skf_simulation {
   char integrator[32]; /* name in the integrators' registry; empty: default */
 } skf_simulation;
 
+/* A picture that textures refer to. The scene knows its name alone; who reads it puts the pixels here, and frees them.
+ */
+typedef struct skf_scene_image {
+  char *path;
+  long line;
+  skf_image pixels; /* rgb is NULL until then */
+} skf_scene_image;
+
 typedef struct skf_scene {
   double G;
   size_t body_count, particle_count, light_count;
@@ -77,8 +88,12 @@ typedef struct skf_scene {
   skf_light *lights;
   skf_simulation simulation;
   skf_camera camera;
-  double background[3];
+  double shutter; /* how long it is open [T] */
+  double background[3], background_top[3];
   bool has_background;
+  skf_fog fog;
+  size_t image_count;
+  skf_scene_image **images;
 } skf_scene;
 
 /* What a scene may borrow of libraries that this one does not know. */

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: MIT */
+/* Materials along a surface: mixed by what each element adds to the field there. */
+#include "ray/render.h"
+#include "core/alloc.h"
+
+struct skf_palette {
+  size_t n;           /* of parts of the field: one for each look, or for each element of looks with pictures */
+  skf_field **fields; /* NULL for a part without elements of positive strength */
+  const skf_element **elements; /* of a part with a picture; else NULL */
+  unsigned char *look_of;
+};
+
+skf_look skf_look_default(void) {
+  return (skf_look){
+      .color = {0.8, 0.8, 0.8}, .ambient = 1, .diffuse = 1, .specular = {0.04, 0.04, 0.04}, .shine = 10.5, .ior = 1};
+}
+
+static bool has_picture(const skf_look *look) {
+  for (int i = 0; i < look->texture_count; i++)
+    if (look->textures[i].type == SKF_TEXTURE_IMAGE) return true;
+  return false;
+}
+
+static bool is_clear(const skf_look *l) {
+  return l->transparency[0] > 0 || l->transparency[1] > 0 || l->transparency[2] > 0;
+}
+
+bool skf_look_is_clear(const skf_render_body *body) {
+  for (size_t i = 0; i < body->look_count; i++)
+    if (is_clear(body->looks + i)) return true;
+  return false;
+}
+
+static size_t look_of(const skf_render_body *body, size_t element) {
+  return body->look_of && body->look_count > 1 ? body->look_of[element] : 0;
+}
+
+static skf_status add_part(skf_palette *p, const skf_element *e, size_t n, size_t look, const skf_element *alone) {
+  p->look_of[p->n] = (unsigned char)look, p->elements[p->n] = alone;
+  return n ? skf_field_new(e, n, p->fields + p->n++) : (p->n++, SKF_OK);
+}
+
+static skf_status fill(skf_palette *p, const skf_render_body *body, skf_element *kept) {
+  skf_status s = SKF_OK;
+  for (size_t i = 0; i < body->look_count && !s; i++) {
+    size_t n = 0;
+    bool picture = has_picture(body->looks + i);
+    for (size_t k = 0; k < body->element_count && !s; k++) {
+      if (look_of(body, k) != i || !(body->elements[k].strength > 0)) continue;
+      kept[n++] = body->elements[k];
+      if (picture) s = add_part(p, body->elements + k, 1, i, body->elements + k), n = 0;
+    }
+    if (!picture && !s) s = add_part(p, kept, n, i, NULL);
+  }
+  return s;
+}
+
+skf_status skf_palette_new(const skf_render_body *body, skf_palette **out) {
+  bool pictures = false;
+  *out = NULL;
+  for (size_t i = 0; i < body->look_count; i++) pictures = pictures || has_picture(body->looks + i);
+  if (body->offsets || !body->elements || (body->look_count < 2 && !pictures)) return SKF_OK;
+  size_t most = body->look_count + body->element_count;
+  skf_palette *p = skf_alloc(1, sizeof *p);
+  skf_element *kept = skf_alloc(body->element_count, sizeof *kept);
+  skf_status s = p && kept ? SKF_OK : SKF_ERR_NOMEM;
+  if (p) {
+    p->fields = skf_alloc(most, sizeof *p->fields);
+    p->elements = skf_alloc(most, sizeof *p->elements);
+    p->look_of = skf_alloc(most, 1);
+    if (!p->fields || !p->elements || !p->look_of) s = SKF_ERR_NOMEM;
+  }
+  if (!s) s = fill(p, body, kept);
+  skf_free(kept);
+  if (s) skf_palette_free(p), p = NULL;
+  *out = p;
+  return s;
+}
+
+void skf_palette_free(skf_palette *p) {
+  if (!p) return;
+  for (size_t i = 0; p->fields && i < p->n; i++) skf_field_free(p->fields[i]);
+  skf_free(p->fields), skf_free(p->elements), skf_free(p->look_of);
+  skf_free(p);
+}
+
+/* The textures of a look at one place, on one primitive; adds to the relief's gradient. */
+static void dress(skf_look *look, skf_vec3 at, const skf_primitive *on, double share, skf_vec3 *relief) {
+  bool first = true;
+  double uv[2] = {0, 0};
+  if (on && has_picture(look)) skf_primitive_uv(on, at, uv);
+  for (int i = 0; i < look->texture_count; i++) {
+    const skf_texture *t = look->textures + i;
+    if (skf_texture_get(t->type)->relief) {
+      *relief = v3_mad(*relief, share, skf_texture_relief(t, at));
+      continue;
+    }
+    double rgb[3];
+    skf_texture_color(t, at, uv, rgb);
+    for (int k = 0; k < 3; k++) look->color[k] = first ? rgb[k] : look->color[k] * rgb[k];
+    first = false;
+  }
+}
+
+static void add_share(skf_look *to, double share, const skf_look *from) {
+  for (int k = 0; k < 3; k++) {
+    to->color[k] += share * from->color[k], to->specular[k] += share * from->specular[k];
+    to->reflection[k] += share * from->reflection[k], to->transparency[k] += share * from->transparency[k];
+  }
+  to->ambient += share * from->ambient, to->diffuse += share * from->diffuse;
+  to->shine += share * from->shine, to->ior += share * from->ior;
+}
+
+/* Twice: the sum of all parts, then each one's share of it. Without any field there, the first look. */
+static void mix(const skf_palette *p, const skf_render_body *body, skf_vec3 at, skf_look *look, skf_vec3 *relief) {
+  double sum = 0;
+  *look = (skf_look){.texture_count = 0};
+  for (int pass = 0; pass < 2; pass++)
+    for (size_t i = 0; i < p->n; i++) {
+      if (!p->fields[i]) continue;
+      double f = skf_field_at(p->fields[i], at, NULL);
+      f = f > 0 ? fmin(f, 1e300) : 0;
+      if (pass == 0) {
+        sum += f;
+      } else if (f > 0) {
+        skf_look part = body->looks[p->look_of[i]];
+        dress(&part, at, p->elements[i] ? &p->elements[i]->primitive : NULL, f / sum, relief);
+        add_share(look, f / sum, &part);
+      }
+    }
+  if (!(sum > 0)) *look = body->looks[0];
+}
+
+static skf_look only_color(const double color[3]) {
+  skf_look look = skf_look_default();
+  for (int k = 0; k < 3; k++) look.color[k] = color[k];
+  return look;
+}
+
+void skf_palette_at(const skf_palette *p, const skf_render_body *body, const skf_sight *at, skf_look *look,
+                    skf_vec3 *normal) {
+  skf_vec3 relief = {0, 0, 0};
+  if (p) {
+    mix(p, body, at->own, look, &relief);
+  } else if (!body->look_count) {
+    *look = only_color(body->color);
+  } else {
+    bool one = body->offsets && body->elements;
+    *look = body->looks[body->offsets && body->look_of ? look_of(body, at->item) : 0];
+    if (look->texture_count) dress(look, at->own, one ? &body->elements[at->item].primitive : NULL, 1, &relief);
+  }
+  if (!normal) return;
+  *normal = at->normal;
+  if (v3_norm2(relief) == 0) return;
+  relief = skf_body_world(body, at->time, relief, false);
+  relief = v3_mad(relief, -v3_dot(relief, at->normal), at->normal);
+  *normal = v3_unit(v3_mad(at->normal, at->inside ? 1 : -1, relief));
+}
+
+static skf_vec3 turn(const skf_render_body *b, double angle, skf_vec3 v, bool place) {
+  skf_vec3 k = v3_unit(b->axis);
+  if (angle == 0 || v3_norm2(k) == 0) return v;
+  if (place) v = v3_sub(v, b->about);
+  double c = cos(angle), s = sin(angle);
+  v = v3_add(v3_mad(v3_scale(c, v), s, v3_cross(k, v)), v3_scale(v3_dot(k, v) * (1 - c), k)); /* Rodrigues */
+  return place ? v3_add(v, b->about) : v;
+}
+
+skf_vec3 skf_body_own(const skf_render_body *b, double time, skf_vec3 v, bool place) {
+  return turn(b, -(b->angle + time * b->sweep), v, place);
+}
+
+skf_vec3 skf_body_world(const skf_render_body *b, double time, skf_vec3 v, bool place) {
+  return turn(b, b->angle + time * b->sweep, v, place);
+}

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Between the files of `skelfield render`. */
+#ifndef SKF_TOOLS_RENDER_JOB_H
+#define SKF_TOOLS_RENDER_JOB_H
+
+#include "picture.h"
+#include "run_csv.h"
+
+typedef enum render_mode { RENDER_SURFACE, RENDER_OFFSET, RENDER_COST } render_mode;
+
+/* One picture, from the command line to its bytes. */
+typedef struct render_job {
+  const cli *c;
+  skf_scene *scene;
+  const skf_plot *plot;
+  const skf_picture_format *format;
+  run_data run;
+  render_mode mode;
+  int bits;    /* of a channel: 8 or 16 */
+  double time; /* of the spins [T] */
+  bool skeleton;
+  double turn; /* of a turntable [rad] */
+  skf_render_scene what;
+  skf_render_body *bodies;
+  skf_tracer **tracers;    /* of each body */
+  skf_offsets **offsets;   /* of each body, and of its skeleton behind them */
+  skf_offset **items;      /* what they are made of */
+  unsigned char **look_of; /* of those items */
+  skf_look **looks;        /* of bodies that are seen through, or skeletons */
+  size_t body_count;
+  float *rgb, *depth;
+  bool cut; /* interrupted */
+} render_job;
+
+/* ---- render_scene.c: from the scene to what is rendered; CLI_DONE, or a status after the message ---- */
+int render_images(render_job *j);
+int render_bodies(render_job *j);
+int render_camera(render_job *j);
+void render_ground(render_job *j);
+/* Frees all but the scene and the run. */
+void render_release(render_job *j);
+
+/* ---- render_output.c ---- */
+/* Traces the picture into rgb and depth. */
+int render_trace(render_job *j);
+/* Its bytes in a format, with the paths up to a time; give them back with plot->release. */
+int render_encode(render_job *j, const char *ending, unsigned char **bytes, size_t *n);
+/* The cost map as a chart. */
+int render_cost(render_job *j, unsigned char **bytes, size_t *n);
+
+#endif

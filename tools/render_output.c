@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The picture itself, and the files that it goes into. */
+#include "render_job.h"
+#include "render_paths.h"
+#include "chart.h"
+#include "core/vec3.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+int render_trace(render_job *j) {
+  size_t n = (size_t)j->what.width * j->what.height;
+  if (!j->rgb) j->rgb = malloc(3 * n * sizeof *j->rgb);
+  if (!j->depth) j->depth = malloc(n * sizeof *j->depth);
+  if (!j->rgb || !j->depth) return cli_fail(CLI_FAILED, "out of memory");
+  skf_status s = skf_render(&j->what, j->rgb, j->depth, cli_progress("render"));
+  cli_progress_end();
+  j->cut = s == SKF_ERR_CANCELLED;
+  return s && !j->cut ? cli_fail_status(s, "render") : CLI_DONE;
+}
+
+/* The 8-bit picture with the paths. */
+static skf_status draw(render_job *j, const char *ending, unsigned char **bytes, size_t *n, char error[256]) {
+  int w = j->what.width, h = j->what.height;
+  unsigned char *image = malloc(3 * (size_t)w * h);
+  skf_canvas *canvas = j->plot->create(w, h, NULL, error);
+  skf_status s = image && canvas ? SKF_OK : SKF_ERR_NOMEM;
+  if (!s) {
+    skf_render_srgb(j->rgb, w, (size_t)w * h, image);
+    j->plot->image(canvas, 0, 0, w, h, image);
+    path_view view = {j->plot,
+                      canvas,
+                      j->what.camera,
+                      w,
+                      h,
+                      j->depth,
+                      0.0028 * sqrt((double)w * h),
+                      v3_dist(j->what.camera.from, j->what.camera.to)};
+    if (!render_paths(&view, &j->run)) s = SKF_ERR_NOMEM;
+  }
+  if (s) snprintf(error, 256, "%s", skf_status_text(s));
+  if (!s) s = j->plot->encode(canvas, ending, bytes, n, error);
+  if (canvas) j->plot->destroy(canvas);
+  free(image);
+  return s;
+}
+
+static skf_status deep(render_job *j, const char *ending, unsigned char **bytes, size_t *n, char error[256]) {
+  size_t pixels = (size_t)j->what.width * j->what.height;
+  unsigned short *image = malloc(3 * pixels * sizeof *image);
+  if (!image) return snprintf(error, 256, "out of memory"), SKF_ERR_NOMEM;
+  skf_render_srgb16(j->rgb, pixels, image);
+  skf_status s = j->plot->encode_deep(j->what.width, j->what.height, image, ending, bytes, n, error);
+  free(image);
+  return s;
+}
+
+static int done(const render_job *j, skf_status s, const char *error) {
+  const char *path = cli_value(j->c, "output");
+  return s ? cli_fail(CLI_FAILED, "%s: %s", path ? path : "stdout", error) : CLI_DONE;
+}
+
+int render_encode(render_job *j, const char *ending, unsigned char **bytes, size_t *n) {
+  char error[256];
+  skf_status s;
+  if (j->format->linear)
+    s = j->plot->encode_linear(j->what.width, j->what.height, j->rgb, ending, bytes, n, error);
+  else
+    s = j->bits == 16 ? deep(j, ending, bytes, n, error) : draw(j, ending, bytes, n, error);
+  return done(j, s, error);
+}
+
+/* Evaluations of each pixel in colours, from none to the dearest. */
+static int paint_cost(chart *h, const float *cost, int w, int t, color_scale *scale) {
+  int bw = (int)(h->right - h->left), bt = (int)(h->bottom - h->top);
+  unsigned char *rgb = malloc(3 * (size_t)bw * bt);
+  if (!rgb) return cli_fail(CLI_FAILED, "out of memory");
+  scale->lo = 0, scale->hi = 1;
+  for (int k = 0; k < w * t; k++) scale->hi = fmax(scale->hi, cost[k]);
+  for (int y = 0; y < bt; y++)
+    for (int x = 0; x < bw; x++)
+      scale_color(scale, cost[(size_t)(y * t / bt) * w + x * w / bw], rgb + 3 * ((size_t)y * bw + x));
+  h->plot->image(h->canvas, (int)h->left, (int)h->top, bw, bt, rgb);
+  free(rgb);
+  return CLI_DONE;
+}
+
+static int chart_cost(render_job *j, chart *h, const float *cost) {
+  color_scale scale = {0};
+  int w = j->what.width, t = j->what.height;
+  double sum = 0;
+  for (int k = 0; k < w * t; k++) sum += cost[k];
+  if (!j->plot->colormap("inferno", scale.rgb)) return cli_fail(CLI_FAILED, "no colour map");
+  h->plot = j->plot, h->width = w, h->height = t, h->em = fmax(9, sqrt((double)w * t) / 55);
+  h->x0 = 0, h->x1 = w, h->y0 = 0, h->y1 = t;
+  chart_layout(h, false);
+  int status = paint_cost(h, cost, w, t, &scale);
+  char title[128], mean[TICK_TEXT];
+  tick_number(sum / w / t, 3, mean);
+  snprintf(title, sizeof title, "cost of a ray: %s evaluations on average", mean);
+  if (status) return status;
+  chart_axes(h, "pixels", "pixels", title, "evaluations of the field along the ray through each pixel's centre");
+  chart_bar(h, &scale, "evaluations", NULL, 0);
+  return CLI_DONE;
+}
+
+int render_cost(render_job *j, unsigned char **bytes, size_t *n) {
+  char error[256];
+  float *cost = malloc((size_t)j->what.width * j->what.height * sizeof *cost);
+  if (!cost) return cli_fail(CLI_FAILED, "out of memory");
+  skf_status s = skf_render_cost(&j->what, cost, NULL, cli_progress("render"));
+  cli_progress_end();
+  j->cut = s == SKF_ERR_CANCELLED;
+  if (s && !j->cut) return free(cost), cli_fail_status(s, "render");
+  chart *h = calloc(1, sizeof *h);
+  int status = h ? CLI_DONE : cli_fail(CLI_FAILED, "out of memory");
+  if (h && !(h->canvas = j->plot->create(j->what.width, j->what.height, NULL, error)))
+    status = done(j, SKF_ERR_IO, error);
+  if (!status) status = chart_cost(j, h, cost);
+  if (!status) status = done(j, j->plot->encode(h->canvas, j->format->ending, bytes, n, error), error);
+  if (h && h->canvas) j->plot->destroy(h->canvas);
+  free(h), free(cost);
+  return status;
+}
