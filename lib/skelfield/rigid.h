@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Solids bounded by isosurfaces, as rigid bodies: where two of them meet. */
+/* Solids bounded by isosurfaces, as rigid bodies: their masses, and where two of them meet. */
 #ifndef SKELFIELD_RIGID_H
 #define SKELFIELD_RIGID_H
 
@@ -8,6 +8,25 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* ---- Mass properties ---- */
+
+/* Of the solid F >= iso with density 1. */
+typedef struct skf_mass {
+  double volume;     /* [L^3] */
+  skf_vec3 center;   /* of mass [L] */
+  double inertia[6]; /* about the center: xx, xy, xz, yy, yz, zz [L^5]; xy is -int x y dV */
+  double error;      /* estimate of the volume's relative error, and of the other's against volume times size */
+} skf_mass;
+
+/* Integrates over the inside of an isosurface by Gauss's rule in cells: those certified inside as they are, those that
+   the surface passes along lines that it cuts once, halved until the difference of two rules is below `tolerance` of
+   them, from 1e-13 to 0.1; 0 stands for 1e-9. tests/motion/test_mass.c finds spheres and the donut within it, and
+   within what `error` says. Cells where the gradient vanishes on the surface are halved to a floor whose share is
+   counted into the error. The donut takes 0.9 s for 1e-6, 2.1 s for 1e-9, a point's sphere 0.05 s. iso > 0 with a
+   bounded surface. SKF_ERR_ARG (iso is not finite), SKF_ERR_RANGE (tolerance), SKF_ERR_EMPTY, SKF_ERR_UNBOUNDED (a
+   plane, iso <= 0, a profile with both signs), SKF_ERR_UNSUPPORTED (no bounds) or SKF_ERR_NOMEM. */
+SKF_API skf_status skf_mass_of(const skf_field *field, double iso, double tolerance, skf_mass *out);
 
 /* ---- Poses and motions ---- */
 
