@@ -121,7 +121,7 @@ skf_status skf_flight_new(const skf_world *world, const skf_flight_options *opti
   if (!f || !f->work || (o.approach && !f->near)) return skf_flight_free(f), SKF_ERR_NOMEM;
   for (size_t i = 0; i < world->n && f->near; i++) f->near[i].best.f = -INFINITY;
   f->world = world, f->options = o, f->ops = ops;
-  f->ode = (skf_ode){skf_world_force, skf_world_force_many, world, skf_isa_pick(), 0};
+  f->ode = (skf_ode){skf_world_force, skf_world_force_many, world, !world->still, skf_isa_pick(), 0};
   f->orbit = (skf_orbit){.t = {start->t, 0}, .x = start->position, .v = start->velocity};
   f->from = f->orbit.t;
   f->report.h_min = INFINITY;
@@ -198,9 +198,10 @@ static skf_status touch(skf_flight *f, const skf_touch *at, skf_contact *c, bool
   return SKF_OK;
 }
 
-static double longest_step(const skf_flight *f) {
-  double leap = skf_world_leap(f->world, f->orbit.x);
-  return fmin(f->options.max_step, leap / v3_norm(f->orbit.v)); /* at rest: infinity */
+static double longest_step(const skf_flight *f, const skf_orbit *at) {
+  if (!f->world->grainy) return f->options.max_step;
+  double leap = skf_world_leap(f->world, at->x);
+  return fmin(f->options.max_step, leap / v3_norm(at->v)); /* at rest: infinity */
 }
 
 static skf_status know_path(skf_flight *f) {
@@ -239,7 +240,7 @@ skf_status skf_flight_approach(const skf_flight *f, size_t body, skf_approach *o
 }
 
 skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
-  skf_step_control control = {f->options.tolerance, longest_step(f)};
+  skf_step_control control = {f->options.tolerance, longest_step(f, &f->orbit)};
   if (touched) *touched = false;
   if (f->fate != FLIES) return SKF_OK;
   skf_orbit before = f->orbit;
@@ -263,6 +264,25 @@ skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
   if (contact) *contact = c;
   if (touched) *touched = !silent;
   return s;
+}
+
+bool skf_flight_in_flock(const skf_flight *f) {
+  return f->ops->pass && f->options.contact == SKF_CONTACT_NONE && !f->near;
+}
+
+skf_status skf_flights_pass(skf_flight *const *flights, size_t n, double t, skf_status *status) {
+  skf_lane *lanes = skf_alloc(n, sizeof *lanes);
+  if (!lanes) return SKF_ERR_NOMEM;
+  for (size_t i = 0; i < n; i++) {
+    skf_flight *f = flights[i];
+    bool moves = f->orbit.t.hi < t && !status[i];
+    lanes[i] = (skf_lane){f->work,      &f->orbit, &f->from, &f->report, &f->ode.evaluations, f->options.tolerance,
+                          longest_step, f,         SKF_OK};
+    if (moves) f->stepped = true, f->dense = false;
+  }
+  if (n) flights[0]->ops->pass(&flights[0]->ode, lanes, n, t);
+  for (size_t i = 0; i < n; i++) status[i] = lanes[i].status;
+  return skf_free(lanes), SKF_OK;
 }
 
 void skf_flight_span(const skf_flight *f, double *from, double *to) {

@@ -12,4 +12,11 @@ size_t skf_flight_state_size(const skf_flight *flight);
 void skf_flight_save(const skf_flight *flight, void *bytes);
 void skf_flight_load(skf_flight *flight, const void *bytes);
 
+/* Whether flights with these options may go on side by side: no contact, nothing watched, an integrator that can. */
+bool skf_flight_in_flock(const skf_flight *flight);
+/* Steps of n such flights through the same world, until each one's span reaches t; those whose status[i] is not SKF_OK
+   are passed over, the others' becomes that of skf_flight_step. The same bits as one by one. SKF_ERR_NOMEM before
+   anything has moved. */
+skf_status skf_flights_pass(skf_flight *const *flights, size_t n, double t, skf_status *status);
+
 #endif

@@ -16,6 +16,7 @@ typedef struct skf_ode {
   void (*many)(const void *user, size_t n, const double *t_hi, const double *t_lo, const double *const p[3],
                double *const a[3], double *noise);
   const void *user;
+  bool timed; /* the force depends on t; else t may be anything */
   skf_isa isa;
   size_t evaluations;
 } skf_ode;
@@ -34,6 +35,19 @@ typedef struct skf_step_control {
   double h_max; /* never step further than this */
 } skf_step_control;
 
+/* One of many particles that fly at once. */
+typedef struct skf_lane {
+  void *work;
+  skf_orbit *orbit;
+  skf_clock *from; /* start of the last step */
+  skf_flight_report *report;
+  size_t *evaluations;
+  double tolerance;
+  double (*longest)(const skf_flight *flight, const skf_orbit *at); /* step from there */
+  const skf_flight *flight;
+  skf_status status;
+} skf_lane;
+
 /* One file per integrator. `work` is work_size bytes of its own. */
 typedef struct skf_integrator_ops {
   skf_integrator_info info;
@@ -44,6 +58,9 @@ typedef struct skf_integrator_ops {
   skf_status (*step)(void *work, skf_ode *ode, const skf_step_control *control, skf_orbit *at, size_t *rejected);
   /* The path of the last step. */
   skf_status (*dense)(void *work, skf_ode *ode, skf_path *path);
+  /* Steps of many particles until each one's orbit has reached a time, or its status tells why not; passes over those
+     that have a status already. The same bits as of `step`. NULL: they fly one after the other. */
+  void (*pass)(const skf_ode *ode, skf_lane *lanes, size_t n, double until);
 } skf_integrator_ops;
 
 extern const skf_integrator_ops skf_integrator_gauss_radau, skf_integrator_dop853, skf_integrator_rkn12;
@@ -56,6 +73,16 @@ static inline double skf_step_floor(skf_clock t) { return 64 * 2.220446049250313
 static inline bool skf_ode_eval(skf_ode *ode, skf_clock t, skf_vec3 x, skf_vec3 *a, double *noise) {
   ode->evaluations++;
   return ode->eval(ode->user, t, &x, a, noise);
+}
+
+/* A step has been taken from `from` to *to. */
+static inline void skf_lane_count(skf_lane *lane, skf_clock from, const skf_orbit *to) {
+  double h = clock_since(to->t.hi, from) + to->t.lo;
+  skf_flight_report *r = lane->report;
+  r->steps++;
+  r->h_min = h < r->h_min ? h : r->h_min;
+  r->h_max = h > r->h_max ? h : r->h_max;
+  *lane->from = from;
 }
 
 /* x += by d, errors kept. */

@@ -3,13 +3,6 @@
 #include "motion/nystrom.h"
 #include <string.h>
 
-typedef struct nystrom {
-  double h, done; /* next step, last step (0: none) */
-  double root;    /* of the last step's error */
-  skf_orbit from; /* start of the last step */
-  skf_orbit to;
-} nystrom;
-
 const skf_nystrom_ops *skf_nystrom_get(skf_isa isa) {
 #ifdef SKF_HAVE_AVX2
   if (isa != SKF_ISA_SCALAR) return &skf_nystrom_avx2;
@@ -18,25 +11,8 @@ const skf_nystrom_ops *skf_nystrom_get(skf_isa isa) {
   return &skf_nystrom_base;
 }
 
-/* Errors below this share of the tolerance tell nothing about the next one. */
-#define FLOOR 1e-3
-
-/* About the 11th root: its square roots are the same everywhere. */
-static double root(double error) {
-  double r8 = sqrt(sqrt(sqrt(error))), r16 = sqrt(r8);
-  return r16 * sqrt(r16);
-}
-
-double skf_nystrom_factor(double error, double h, double h_before, double *root_before, bool refused) {
-  double r = root(fmax(error, FLOOR));
-  if (!(error <= 1)) return fmax(0.9 / r, 0.2);
-  double trend = h_before > 0 ? h / h_before * *root_before / r : 1;
-  *root_before = r;
-  return fmin(refused ? 1 : 4, 0.9 / r * fmax(0.5, fmin(1.15, trend)));
-}
-
 static skf_status begin(void *work, skf_ode *ode, const skf_orbit *at, double h) {
-  nystrom *w = work;
+  skf_nystrom *w = work;
   skf_vec3 a;
   memset(w, 0, sizeof *w);
   w->h = h;
@@ -58,7 +34,7 @@ static skf_orbit end_of(const skf_nystrom_one *s) {
 }
 
 static skf_status step(void *work, skf_ode *ode, const skf_step_control *control, skf_orbit *at, size_t *rejected) {
-  nystrom *w = work;
+  skf_nystrom *w = work;
   const skf_nystrom_ops *ops = skf_nystrom_get(ode->isa);
   skf_nystrom_one s;
   double h = fmin(w->h, control->h_max);
@@ -68,9 +44,9 @@ static skf_status step(void *work, skf_ode *ode, const skf_step_control *control
     s.h[0] = h;
     ops->one(&s, ode);
     ode->evaluations += SKF_NYSTROM_STAGES;
-    double factor = skf_nystrom_factor(s.error[0], h, w->done, &w->root, refused);
+    double factor = skf_nystrom_factor(s.error[0], s.root[0], h, w->done, &w->root, refused);
     if (s.error[0] <= 1) {
-      *w = (nystrom){h * factor, h, w->root, *at, end_of(&s)};
+      *w = (skf_nystrom){h * factor, h, w->root, *at, end_of(&s)};
       return *at = w->to, SKF_OK;
     }
     h *= factor;
@@ -101,7 +77,7 @@ static void interpolate(double d[KNOTS][3], double out[TERMS]) {
 }
 
 static skf_status dense(void *work, skf_ode *ode, skf_path *path) {
-  nystrom *w = work;
+  skf_nystrom *w = work;
   const skf_nystrom_ops *ops = skf_nystrom_get(ode->isa);
   double h = w->done, d[3][KNOTS][3];
   skf_nystrom_one s;
@@ -135,8 +111,9 @@ static skf_status dense(void *work, skf_ode *ode, skf_path *path) {
 const skf_integrator_ops skf_integrator_rkn12 = {
     .info = {"rkn12", "12(10) Nystrom pair of Dormand, El-Mikkawy and Prince: the fastest without contact", 12, 12,
              true},
-    .work_size = sizeof(nystrom),
+    .work_size = sizeof(skf_nystrom),
     .begin = begin,
     .step = step,
     .dense = dense,
+    .pass = skf_nystrom_pass,
 };

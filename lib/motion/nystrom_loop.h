@@ -149,6 +149,9 @@ enum { LAST_EMPTY = 5, MIDDLE = 10 };
    large, may be this share of the tolerance. */
 #define SHARE 0.1
 
+/* Errors below this share of the tolerance tell nothing about the next one. */
+#define FLOOR 1e-3
+
 /* What rounding of the weights to_x and to_v takes from their sums, and from the sums of weight times node, put on two
    stages: else energy would drift by it, always the same way. */
 enum { LOW_A = 8, LOW_B = 12 };
@@ -160,7 +163,7 @@ static inline int first_of(int i) { return i < 4 ? 1 : i == 7 ? 3 : 2; }
 
 #endif
 
-enum { NAME(WIDTH) = LANES == 1 ? 4 : 3 * LANES, NAME(BLOCK) = LANES == 1 ? 1 : 4 };
+enum { NAME(WIDTH) = LANES == 1 ? 4 : 3 * LANES, NAME(BLOCK) = LANES == 1 ? 1 : 6 };
 
 /* sum_j weight[j] k[j] over stage 0 and the stages from `first` to n - 1, for BLOCK vectors from i on */
 SKF_INLINE void NAME(weigh)(const double *weight, const double k[STAGES][NAME(WIDTH)], int first, int n, int i,
@@ -173,23 +176,23 @@ SKF_INLINE void NAME(weigh)(const double *weight, const double k[STAGES][NAME(WI
 }
 
 /* Accelerations of stage i at p, NAN where they are not finite. */
-SKF_INLINE double NAME(force)(NAME(lanes) * s, const skf_ode *ode, int i, double *p) {
-  double *k = s->k[i], noise[LANES] = {0}, t_hi[LANES], t_lo[LANES];
-  for (int l = 0; l < LANES; l++) {
+SKF_INLINE void NAME(force)(NAME(lanes) * s, const skf_ode *ode, int i, double *p) {
+  double *k = s->k[i], t_hi[LANES], t_lo[LANES];
+  for (int l = 0; l < LANES && ode->timed; l++) {
     skf_clock t = clock_add((skf_clock){s->t_hi[l], s->t_lo[l]}, s->h[l] * node[i]);
     t_hi[l] = t.hi, t_lo[l] = t.lo;
   }
 #if LANES == 1
   skf_vec3 a, x = v3(p[0], p[1], p[2]);
-  if (!ode->eval(ode->user, (skf_clock){*t_hi, *t_lo}, &x, &a, i == MIDDLE ? noise : NULL)) a = v3(NAN, NAN, NAN);
+  skf_clock t = {0, 0};
+  if (ode->timed) t = (skf_clock){*t_hi, *t_lo};
+  if (!ode->eval(ode->user, t, &x, &a, i == MIDDLE ? s->noise : NULL)) a = v3(NAN, NAN, NAN), *s->noise = 0;
   vd_store(k, (skf_vd){a.x, a.y, a.z, 0}); /* at once: it is loaded as one */
 #else
   const double *const at[3] = {p, p + LANES, p + 2 * LANES};
   double *const to[3] = {k, k + LANES, k + 2 * LANES};
-  ode->many(ode->user, LANES, t_hi, t_lo, at, to, i == MIDDLE ? noise : NULL);
-  if (i == MIDDLE) memcpy(s->error, noise, sizeof noise);
+  ode->many(ode->user, LANES, t_hi, t_lo, at, to, i == MIDDLE ? s->noise : NULL);
 #endif
-  return noise[0];
 }
 
 /* a lane's numbers for each of its coordinates */
@@ -230,25 +233,36 @@ SKF_INLINE void NAME(finish)(NAME(lanes) * s, const double *h, double *off_posit
   }
 }
 
-static inline double NAME(largest)(const double *p, int l) {
-  double x = fabs(p[l]), y = fabs(p[LANES + l]), z = fabs(p[2 * LANES + l]), xy = x > y ? x : y;
-  return xy > z ? xy : z;
+/* Some lanes' numbers: one, or as many as a vector has. */
+SKF_INLINE skf_vd NAME(few)(const double *p, int l) { return LANES == 1 ? vd_set(p[l]) : vd_load(p + l); }
+/* a where they are equal; NAN where a is */
+SKF_INLINE skf_vd NAME(larger)(skf_vd a, skf_vd b) { return vd_select(a < b, b, a); }
+/* The largest coordinate. */
+SKF_INLINE skf_vd NAME(largest)(const double *p, int l) {
+  skf_vd x = vd_abs(NAME(few)(p, l)), y = vd_abs(NAME(few)(p, LANES + l)), z = vd_abs(NAME(few)(p, 2 * LANES + l));
+  return NAME(larger)(NAME(larger)(x + vd_set(0) * (y + z), y), z);
 }
 
 /* Velocities count relative to the larger of the velocity and its change, positions relative to the path, so that
    neither the place nor the size of the world matters. */
-SKF_INLINE double NAME(judge)(const NAME(lanes) * s, int l, double noise, const double *ox, const double *ov) {
-  double v0 = NAME(largest)(s->v, l), v1 = NAME(largest)(s->to_v, l);
-  double a0 = NAME(largest)(s->k[0], l), a1 = NAME(largest)(s->k[STAGES - 1], l);
-  double speed = (v0 > v1 ? v0 : v1) + s->h[l] * (a0 > a1 ? a0 : a1);
-  double ex = NAME(largest)(ox, l), ev = NAME(largest)(ov, l), e = ex > ev ? ex : ev;
-  if (!(speed - speed == 0 && ex - ex == 0 && ev - ev == 0)) return INFINITY;
-  if (!(speed > 0)) return 0;
-  return e / (speed * (SHARE * s->tolerance[l] + 8 * DBL_EPSILON) + ROUGH * s->h[l] * noise);
+static void NAME(judge)(NAME(lanes) * s, const double *ox, const double *ov) {
+  enum { ONCE = LANES == 1 ? 1 : SKF_LANES };
+  for (int l = 0; l < LANES; l += ONCE) {
+    skf_vd speed = NAME(larger)(NAME(largest)(s->v, l), NAME(largest)(s->to_v, l)), h = NAME(few)(s->h, l);
+    speed += h * NAME(larger)(NAME(largest)(s->k[0], l), NAME(largest)(s->k[STAGES - 1], l));
+    skf_vd e = NAME(larger)(NAME(largest)(ox, l), NAME(largest)(ov, l)), one = vd_set(1);
+    skf_vd share = vd_set(SHARE) * NAME(few)(s->tolerance, l) + vd_set(8 * DBL_EPSILON);
+    skf_vd error = e / (speed * share + vd_set(ROUGH) * h * NAME(few)(s->noise, l)), finite = speed + e;
+    error = vd_select(finite - finite == vd_set(0), vd_select(speed > vd_set(0), error, vd_set(0)), one / vd_set(0));
+    /* about the 11th root: square roots are the same everywhere */
+    e = NAME(larger)(error, vd_set(FLOOR));
+    skf_vd r8 = vd_sqrt(vd_sqrt(vd_sqrt(e))), r16 = vd_sqrt(r8), r = r16 * vd_sqrt(r16);
+    memcpy(s->error + l, &error, ONCE * sizeof(double)), memcpy(s->root + l, &r, ONCE * sizeof(double));
+  }
 }
 
 static void NAME(attempt)(NAME(lanes) * s, const skf_ode *ode) {
-  double h[NAME(WIDTH)], p[NAME(WIDTH)], off_position[NAME(WIDTH)], off_velocity[NAME(WIDTH)], noise = 0;
+  double h[NAME(WIDTH)], p[NAME(WIDTH)], off_position[NAME(WIDTH)], off_velocity[NAME(WIDTH)];
   NAME(spread)(s->h, h);
   for (int i = 0; i < NAME(WIDTH); i++) p[i] = s->x[i] + s->x_low[i];
   NAME(force)(s, ode, 0, p);
@@ -264,10 +278,8 @@ static void NAME(attempt)(NAME(lanes) * s, const skf_ode *ode) {
         vd_store(p + at, vd_load(s->x + at) + d);
       }
     }
-    double rough = NAME(force)(s, ode, n, p);
-    if (n == MIDDLE) noise = rough;
+    NAME(force)(s, ode, n, p);
   }
   NAME(finish)(s, h, off_position, off_velocity);
-  for (int l = 0; l < LANES; l++)
-    s->error[l] = NAME(judge)(s, l, LANES == 1 ? noise : s->error[l], off_position, off_velocity);
+  NAME(judge)(s, off_position, off_velocity);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Many particles: windows of output rows, particles in parallel within each. */
+#include "motion/flight.h"
 #include "core/alloc.h"
-#include "skelfield/motion.h"
 #include "core/vec3.h"
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +11,9 @@
 #define HELD 65536
 /* A run is cut into about this many windows, so that it can be watched, and what is done is written. */
 #define WINDOWS 64
+/* Particles that fly side by side are handed to a thread in flocks of this many, or fewer where threads would starve.
+ */
+#define FLOCK 256
 
 typedef struct log_entry {
   skf_contact contact;
@@ -121,6 +124,32 @@ static skf_status fly_window(runner *r, size_t i, size_t first, size_t count) {
   return SKF_OK;
 }
 
+/* The same for m particles from i on, side by side. */
+static void fly_flock(runner *r, size_t i, size_t m, size_t first, size_t count) {
+  size_t n = r->run->count, pieces = WINDOWS / r->row_count + 1; /* so that it can be stopped */
+  skf_status *status = r->status + i;
+  double before = r->row_count > 1 && first > 0 ? row_time(r, first - 1) : r->start;
+  for (size_t j = 0; j < m; j++) status[j] = SKF_OK;
+  for (size_t k = 0; k < count; k++) {
+    double t = row_time(r, first + k), from, to;
+    skf_status s = SKF_OK;
+    for (size_t p = 1; p <= pieces && !s; p++) {
+      double share = ((double)i + (double)m * ((double)k + (double)p / (double)pieces) / (double)count) / (double)n;
+      double until = p < pieces ? before + (t - before) * (double)p / (double)pieces : t;
+      s = skf_flights_pass(r->flights + i, m, until, status);
+      watch(r, ((double)first + (double)count * share) / (double)r->row_count);
+      if (stopped(r)) s = SKF_ERR_CANCELLED;
+    }
+    for (size_t j = 0; j < m; j++) {
+      skf_flight_span(r->flights[i + j], &from, &to);
+      if (status[j] == SKF_ERR_CONVERGENCE) r->failed_at[i + j] = to;
+      if (s) status[j] = s;
+      if (!status[j]) status[j] = skf_flight_at(r->flights[i + j], t, r->rows + k * n + i + j);
+    }
+    before = t;
+  }
+}
+
 static int by_time(const void *a, const void *b) {
   const log_entry *x = a, *y = b;
   if (x->contact.t != y->contact.t) return x->contact.t < y->contact.t ? -1 : 1;
@@ -175,8 +204,14 @@ static skf_status fly_all(runner *r, size_t window, skf_run_failure *failure) {
   size_t n = r->run->count;
   for (size_t first = 0; first < r->row_count; first += window) {
     size_t count = window < r->row_count - first ? window : r->row_count - first;
+    if (skf_flight_in_flock(r->flights[0])) {
+      size_t share = n / (4 * (size_t)r->threads) + 1, flock = share < FLOCK ? share : FLOCK;
 #pragma omp parallel for schedule(dynamic, 1) if (n > 1)
-    for (size_t i = 0; i < n; i++) r->status[i] = fly_window(r, i, first, count);
+      for (size_t i = 0; i < n; i += flock) fly_flock(r, i, n - i < flock ? n - i : flock, first, count);
+    } else {
+#pragma omp parallel for schedule(dynamic, 1) if (n > 1)
+      for (size_t i = 0; i < n; i++) r->status[i] = fly_window(r, i, first, count);
+    }
     skf_run_failure where = {0, INFINITY};
     skf_status bad = verdict(r, &where);
     if (bad == SKF_ERR_CONVERGENCE && failure) *failure = where;

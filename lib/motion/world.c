@@ -76,6 +76,7 @@ skf_status skf_world_new(const skf_attractor *bodies, size_t n, skf_world **out)
   for (size_t i = 0; i < n; i++) {
     skf_status s = set(w->bodies + i, bodies + i);
     if (s) return skf_world_free(w), s;
+    w->grainy = w->grainy || isfinite(w->bodies[i].grain);
   }
   skf_world_find_symmetry(w);
   return *out = w, SKF_OK;
@@ -136,45 +137,67 @@ bool skf_world_force(const void *world, skf_clock t, const skf_vec3 *p, skf_vec3
 
 enum { FEW = 64 };
 
-/* A block of n <= FEW particles in the field of one body, added to a. */
-static void add_body(const skf_world_body *b, size_t n, const double *t_hi, const double *t_lo,
-                     const double *const p[3], double *const a[3], double *noise) {
+typedef struct crowd {
+  size_t n; /* <= FEW */
+  const double *t_hi, *t_lo, *p[3];
+  double *a[3], *noise;
+} crowd;
+
+static void roughen(const skf_world_body *b, const crowd *c, const double *const at[3], const double *F,
+                    double g[3][FEW], bool first) {
+  double gain = fabs(b->is.gain), x = b->center.x, y = b->center.y, z = b->center.z;
+  for (size_t i = 0; i < c->n; i++) {
+    double dx = at[0][i] - x, dy = at[1][i] - y, dz = at[2][i] - z;
+    double size = b->radius + sqrt(dx * dx + dy * dy + dz * dz);
+    double slope = sqrt(g[0][i] * g[0][i] + g[1][i] * g[1][i] + g[2][i] * g[2][i]);
+    c->noise[i] = (first ? 0 : c->noise[i]) + gain * (slope + (b->radius > 0 ? fabs(F[i]) / size : 0));
+  }
+}
+
+/* A block of particles in the field of one body, added to a; the first body sets it (to clear it would take longer). */
+static void add_body(const skf_world_body *b, const crowd *c, bool first) {
   double q[3][FEW], F[FEW], g[3][FEW], gain = b->is.gain;
-  const double *at[3] = {p[0], p[1], p[2]};
+  const double *at[3] = {c->p[0], c->p[1], c->p[2]};
   double *const to[3] = {g[0], g[1], g[2]};
   skf_turn r[FEW];
-  for (size_t i = 0; i < n && b->rate != 0; i++) {
-    r[i] = skf_turn_at(b, (skf_clock){t_hi[i], t_lo[i]});
-    skf_vec3 x = skf_turn_point(r + i, -1, v3(p[0][i], p[1][i], p[2][i]));
+  for (size_t i = 0; i < c->n && b->rate != 0; i++) {
+    r[i] = skf_turn_at(b, (skf_clock){c->t_hi[i], c->t_lo[i]});
+    skf_vec3 x = skf_turn_point(r + i, -1, v3(at[0][i], at[1][i], at[2][i]));
     q[0][i] = x.x, q[1][i] = x.y, q[2][i] = x.z;
-    for (int k = 0; k < 3; k++) at[k] = q[k];
   }
-  skf_field_eval(b->is.field, n, at, F, to, NULL);
-  for (size_t i = 0; i < n && noise; i++) {
-    double size = b->radius + v3_dist(v3(at[0][i], at[1][i], at[2][i]), b->center);
-    noise[i] += fabs(gain) * (v3_norm(v3(g[0][i], g[1][i], g[2][i])) + (b->radius > 0 ? fabs(F[i]) / size : 0));
-  }
-  for (size_t i = 0; i < n && b->rate != 0; i++) {
+  for (int k = 0; k < 3 && b->rate != 0; k++) at[k] = q[k];
+  skf_field_eval(b->is.field, c->n, at, F, to, NULL);
+  if (c->noise) roughen(b, c, at, F, g, first);
+  for (size_t i = 0; i < c->n && b->rate != 0; i++) {
     skf_vec3 v = skf_turn_vector(r + i, 1, v3(g[0][i], g[1][i], g[2][i]));
     g[0][i] = v.x, g[1][i] = v.y, g[2][i] = v.z;
   }
-  for (int k = 0; k < 3; k++)
-    for (size_t i = 0; i < n; i++) a[k][i] += F[i] - F[i] == 0 ? gain * g[k][i] : NAN;
+  double *a0 = c->a[0], *a1 = c->a[1], *a2 = c->a[2];
+  for (size_t i = 0; i < c->n; i++) {
+    double none = F[i] - F[i]; /* 0, or NAN where F is not finite */
+    a0[i] = (first ? 0 : a0[i]) + gain * (g[0][i] + none);
+    a1[i] = (first ? 0 : a1[i]) + gain * (g[1][i] + none);
+    a2[i] = (first ? 0 : a2[i]) + gain * (g[2][i] + none);
+  }
 }
 
 void skf_world_force_many(const void *world, size_t n, const double *t_hi, const double *t_lo, const double *const p[3],
                           double *const a[3], double *noise) {
   const skf_world *w = world;
-  for (int k = 0; k < 3; k++) memset(a[k], 0, n * sizeof(double));
-  if (noise) memset(noise, 0, n * sizeof(double));
-  for (size_t i = 0; i < w->n; i++)
-    for (size_t from = 0; from < n && w->bodies[i].is.gain != 0; from += FEW) {
-      const double *const at[3] = {p[0] + from, p[1] + from, p[2] + from};
-      double *const to[3] = {a[0] + from, a[1] + from, a[2] + from};
-      add_body(w->bodies + i, n - from < FEW ? n - from : FEW, t_hi + from, t_lo + from, at, to,
-               noise ? noise + from : NULL);
-    }
-  for (size_t i = 0; i < n && noise; i++) noise[i] *= DBL_EPSILON;
+  for (size_t from = 0; from < n; from += FEW) {
+    crowd c = {n - from < FEW ? n - from : FEW,
+               t_hi + from,
+               t_lo + from,
+               {p[0] + from, p[1] + from, p[2] + from},
+               {a[0] + from, a[1] + from, a[2] + from},
+               noise ? noise + from : NULL};
+    bool first = true;
+    for (size_t i = 0; i < w->n; i++)
+      if (w->bodies[i].is.gain != 0) add_body(w->bodies + i, &c, first), first = false;
+    for (size_t i = 0; i < c.n && first; i++) c.a[0][i] = c.a[1][i] = c.a[2][i] = 0;
+    for (size_t i = 0; i < c.n && first && noise; i++) c.noise[i] = 0;
+    for (size_t i = 0; i < c.n && noise; i++) c.noise[i] *= DBL_EPSILON;
+  }
 }
 
 double skf_world_potential(const skf_world *w, skf_clock t, skf_vec3 p, double *magnitude) {

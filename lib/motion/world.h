@@ -26,6 +26,7 @@ struct skf_world {
   size_t n;
   skf_world_body *bodies;
   bool still;           /* nothing spins */
+  bool grainy;          /* some body's grain is finite */
   bool alike;           /* all bodies spin alike: there is a Jacobi constant */
   bool axial;           /* everything is symmetric about one axis, */
   skf_vec3 axis, about; /* this one */
