@@ -39,6 +39,13 @@ SKF_INLINE arc_view arc_see(const arc_row *c, skf_v3d x) {
   return f;
 }
 
+/* The same for a circle, which pulls nowhere off its axis from there. */
+SKF_INLINE arc_view circle_see(const arc_row *c, skf_v3d x) {
+  arc_view f = arc_see(c, x);
+  f.ux = (skf_vd)((skf_vi)f.ux & (f.k > vd_set(0)));
+  return f;
+}
+
 /* From int h, int g cos^2 chi, int g sin^2 chi and the ends' share, as skf_arc_gather and skf_arc_result. */
 SKF_INLINE skf_vvalue arc_finish(const arc_row *c, const arc_view *f, skf_vd F, skf_vd cc, skf_vd ss, skf_vd ends,
                                  skf_vi good) {
@@ -144,7 +151,7 @@ SKF_INLINE skf_vvalue cauchy_arc_close(const arc_row *c, skf_v3d x) {
 }
 
 SKF_INLINE skf_vvalue cauchy_circle(const arc_row *c, skf_v3d x) {
-  arc_view f = arc_see(c, x);
+  arc_view f = circle_see(c, x);
   cauchy_factors p = cauchy_factor(c, &f);
   skf_vd second = vd_set(SKF_PI / 2), fourth = vd_set(3 * SKF_PI / 8);
   return cauchy_gather(c, &f, &p, second, second, fourth, fourth, vd_set(SKF_PI / 8), vd_set(0), vi_set(-1));
@@ -175,7 +182,7 @@ SKF_INLINE quarter_view arc_quarter(const arc_row *c, const arc_view *f) {
 }
 
 SKF_INLINE skf_vvalue inverse_circle(const arc_row *c, skf_v3d x) {
-  arc_view f = arc_see(c, x);
+  arc_view f = circle_see(c, x);
   quarter_view q = arc_quarter(c, &f);
   return arc_finish(c, &f, q.K, (q.sin2 - q.K) / f.alpha, -(q.sin2 / f.beta), vd_set(0), vd_sane(f.alpha));
 }

@@ -75,14 +75,14 @@ SKF_INLINE skf_vvalue inverse_squared_arc(const arc_row *c, skf_v3d x) {
 }
 
 SKF_INLINE skf_vvalue inverse_squared_circle(const arc_row *c, skf_v3d x) {
-  arc_view f = arc_see(c, x);
+  arc_view f = circle_see(c, x);
   skf_vd DD = f.alpha * f.beta, D = vd_sqrt(DD), half = vd_set(SKF_PI / 2);
   return squared_gather(c, &f, vd_set(1) / D, half + half, half, half, vd_set(0), vd_sane(DD * D));
 }
 
 /* gaussian.c's circle, b = 2 a^2 rho k. */
 SKF_INLINE skf_vvalue gaussian_circle(const arc_row *c, skf_v3d x) {
-  arc_view f = arc_see(c, x);
+  arc_view f = circle_see(c, x);
   skf_vd a2 = c->param2, rho = c->rho, b = vd_set(2) * a2 * rho * f.k, y = a2 * f.alpha, zero = vd_set(0), i0, radial;
   skf_vi near = b < vd_set(VD_BESSEL_NEAR), seen = y < vd_set(VD_EXP_MAX - VD_BESSEL_NEAR);
   skf_vi gone = (y > vd_set(VD_EXP_ZERO)) & (f.beta < vd_set(INFINITY));

@@ -147,7 +147,7 @@ enum { LAST_EMPTY = 5, MIDDLE = 10 };
 #define ROUGH 1.5
 /* Errors of an orbit's steps add up in the same direction: the estimate, which is of the lower order and so far too
    large, may be this share of the tolerance. */
-#define SHARE 0.1
+#define SHARE 0.05
 
 /* Errors below this share of the tolerance tell nothing about the next one. */
 #define FLOOR 1e-3
