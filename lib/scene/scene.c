@@ -31,6 +31,10 @@ static skf_status read_version(skf_reader *r, const skf_node *node, void *scene)
                        skf_show(skf_node_text(&r->yaml, node)).text);
 }
 
+static skf_status accept(skf_reader *r, const skf_node *value, void *into) {
+  return (void)r, (void)value, (void)into, SKF_OK; /* what has been read before */
+}
+
 enum {
   KEY_VERSION,
   KEY_GRAVITY,
@@ -41,6 +45,7 @@ enum {
   KEY_LIGHTS,
   KEY_BACKGROUND,
   KEY_FOG,
+  KEY_ANIMATE,
   KEY_MATERIALS,
   KEYS
 };
@@ -59,17 +64,31 @@ static const skf_key scene_keys[KEYS] = {
     [KEY_LIGHTS] = {"lights", NULL, "for render", SKF_KEY_OTHER, .read = skf_read_lights, .form = "a list of lights"},
     [KEY_BACKGROUND] = {"background", "1", "linear light, for render", SKF_KEY_OTHER, .read = skf_read_background,
                         .form = "a color or {bottom, top}"},
+    [KEY_ANIMATE] = {"animate", NULL, "numbers that change with time", SKF_KEY_OTHER, .read = accept,
+                     .form = "a list of {path, keys}"},
     [KEY_FOG] = {"fog", NULL, "for render", SKF_KEY_OTHER, .read = skf_read_fog, .form = "{distance, color}"},
     [KEY_MATERIALS] = {"materials", NULL, "named properties of bodies and primitives", SKF_KEY_OTHER,
                        .read = skf_read_materials, .form = "a list of materials"},
 };
 const skf_section skf_section_scene = {"scene", "the whole file", scene_keys, KEYS};
 
-const skf_section *const skf_sections[] = {
-    &skf_section_scene,      &skf_section_gravity,   &skf_section_material, &skf_section_body,
-    &skf_section_spin,       &skf_section_ellipsoid, &skf_section_particle, &skf_section_launch,
-    &skf_section_simulation, &skf_section_camera,    &skf_section_light,    &skf_section_area,
-    &skf_section_background, &skf_section_fog,       &skf_section_texture,  NULL};
+const skf_section *const skf_sections[] = {&skf_section_scene,
+                                           &skf_section_gravity,
+                                           &skf_section_material,
+                                           &skf_section_body,
+                                           &skf_section_spin,
+                                           &skf_section_ellipsoid,
+                                           &skf_section_particle,
+                                           &skf_section_launch,
+                                           &skf_section_simulation,
+                                           &skf_section_camera,
+                                           &skf_section_light,
+                                           &skf_section_area,
+                                           &skf_section_background,
+                                           &skf_section_fog,
+                                           &skf_section_texture,
+                                           &skf_section_animate,
+                                           NULL};
 
 /* The first entry of a list that repeats an earlier one's name. */
 typedef struct named {
@@ -107,6 +126,8 @@ static skf_status read_scene(skf_reader *r) {
   if (s) return s;
   const skf_node *version = skf_map_find(r, root, "skelfield");
   if (version && (s = read_version(r, version, r->scene))) return s; /* first: it decides what the rest means */
+  const skf_node *animate = skf_map_find(r, root, "animate");
+  if (animate && (s = skf_animate(r, animate))) return s; /* it changes what the rest says */
   const skf_node *materials = skf_map_find(r, root, "materials");
   if (materials && (s = skf_read_materials(r, materials, r->scene))) return s; /* the bodies refer to them */
   unsigned given;

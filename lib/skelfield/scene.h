@@ -94,12 +94,14 @@ typedef struct skf_scene {
   skf_fog fog;
   size_t image_count;
   skf_scene_image **images;
+  double animated_until; /* the last time of the keys of `animate`, at least 0 */
 } skf_scene;
 
 /* What a scene may borrow of libraries that this one does not know. */
 typedef struct skf_scene_hooks {
   skf_ring_cutter *cut_rings; /* cuts polygons; NULL: those without holes by skf_polygon_triangulate, others are refused
                                */
+  double time;                /* at which the numbers of `animate` are taken */
 } skf_scene_hooks;
 
 /* Reads a scene file. On failure *out is NULL and *error, if given, tells what is wrong, where, and what was expected.
