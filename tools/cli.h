@@ -43,6 +43,8 @@ void cli_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* Reads a scene; on failure the message is out and CLI_BAD is returned. */
 int cli_scene(const char *path, skf_scene **out);
+/* The same with its animated numbers as they are at a time, without warnings. */
+int cli_scene_at(const char *path, double time, skf_scene **out);
 /* Makes the bodies' fields anew to the --accuracy that is given, if it is. */
 int cli_accuracy(const cli *c, skf_scene *scene);
 /* The option's row, for the commands that have it. */

@@ -16,10 +16,16 @@ static void warn(const char *path, const skf_scene *scene) {
 }
 
 int cli_scene(const char *path, skf_scene **out) {
+  int status = cli_scene_at(path, 0, out);
+  if (!status) warn(path, *out);
+  return status;
+}
+
+int cli_scene_at(const char *path, double time, skf_scene **out) {
   skf_error e;
-  const skf_scene_hooks hooks = {.cut_rings = polygon_cutter()};
+  const skf_scene_hooks hooks = {.cut_rings = polygon_cutter(), .time = time};
   skf_status s = skf_scene_read_with(path, &hooks, out, &e);
-  if (!s) return warn(path, *out), CLI_DONE;
+  if (!s) return CLI_DONE;
   if (e.line > 0) return cli_fail(CLI_BAD, "%s:%ld: %s", path, e.line, e.text);
   return cli_fail(s == SKF_ERR_NOMEM ? CLI_FAILED : CLI_BAD, "%s: %s", path, e.text);
 }

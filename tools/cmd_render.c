@@ -47,7 +47,8 @@ static int parse(render_job *j) {
   const cli *c = j->c;
   int mode = RENDER_SURFACE, quality = SKF_RENDER_NORMAL;
   j->what.width = 1200, j->what.height = 900, j->bits = 8;
-  int status = picture_format(c, &j->format);
+  int status = render_film_parse(j);
+  if (!status && !j->video) status = picture_format(c, &j->format);
   if (!status) status = picture_size(c, &j->what.width, &j->what.height);
   if (!status) status = choice(c, "quality", qualities, 3, &quality);
   if (!status) status = choice(c, "mode", modes, 3, &mode);
@@ -73,8 +74,7 @@ static void set_samples(render_job *j) {
 static int write_picture(render_job *j) {
   unsigned char *bytes;
   size_t n;
-  int status = j->mode == RENDER_COST ? render_cost(j, &bytes, &n) : render_trace(j);
-  if (!status && j->mode != RENDER_COST) status = render_encode(j, j->format->ending, &bytes, &n);
+  int status = render_picture(j, j->format->ending, &bytes, &n);
   if (!status) status = picture_write(j->c, j->plot, bytes, n);
   if (!status && j->cut) status = cli_fail(CLI_FAILED, "interrupted: the picture shows what was done");
   return status;
@@ -83,6 +83,10 @@ static int write_picture(render_job *j) {
 static int work(render_job *j) {
   int status = parse(j);
   if (!status) status = cli_scene(cli_operand(j->c, 0), &j->scene);
+  if (!status && j->scene->animated_until > 0 && j->time != 0) {
+    skf_scene_free(j->scene), j->scene = NULL;
+    status = cli_scene_at(cli_operand(j->c, 0), j->time, &j->scene);
+  }
   if (!status) status = run_read(cli_value(j->c, "orbits"), cli_value(j->c, "contacts"), &j->run);
   if (!status) status = render_bodies(j);
   if (!status) status = render_camera(j);
@@ -91,11 +95,11 @@ static int work(render_job *j) {
   if (status) return status;
   render_ground(j);
   set_samples(j);
-  return write_picture(j);
+  return j->frames ? render_film(j) : write_picture(j);
 }
 
 static int run(cli *c) {
-  render_job j = {.c = c};
+  render_job j = {.c = c, .label = "render"};
   int status = work(&j);
   render_release(&j);
   run_free(&j.run);
@@ -113,7 +117,11 @@ static const cli_option options[] = {
     {0, "bounces", "N", "how often light is mirrored or refracted; then rays see the background (default: 6)"},
     {0, "mode", "NAME", "surface, offset (hard surfaces around the skeleton), or cost (evaluations per pixel)"},
     {0, "skeleton", NULL, "shows the skeleton inside of surfaces that are seen through"},
-    {0, "time", "T", "how far bodies have spun (default: 0)"},
+    {0, "time", "T", "of animated numbers, and how far bodies have spun (default: 0)"},
+    {0, "frames", "N", "a film: NAME-0001.png and so on, or one NAME.avi (motion JPEG); see below"},
+    {0, "fps", "F", "pictures a second of an AVI (default: 25)"},
+    {0, "until", "T", "time of the last frame (default: see below)"},
+    {0, "turntable", NULL, "a film's camera turns once about what it looks at"},
     {0, "depth", "BITS", "of a channel in png and tif: 8 or 16 (default: 8)"},
     {0, "azimuth", "DEGREES", "where the camera stands, from x towards y (default: -60)"},
     {0, "elevation", "DEGREES", "how high it stands (default: 28)"},
@@ -138,6 +146,9 @@ const cli_command cmd_render = {
         "not give is chosen so that everything is in the picture. Formats: png, jpg, tif, webp, bmp, ppm; exr, pfm "
         "and\n"
         "hdr hold linear light, without paths. Ctrl-C ends with the picture as far as it is.\n"
+        "A film runs from --time to --until: to the last key of `animate`, to the end of --orbits, whose particles "
+        "then\n"
+        "are dots with trails, or else through one turn of the fastest spin.\n"
         "Example: skelfield render donut.yaml -o donut.png --orbits run.csv --azimuth 30\n",
     .run = run,
 };

@@ -19,7 +19,9 @@ typedef struct render_job {
   int bits;    /* of a channel: 8 or 16 */
   double time; /* of the spins [T] */
   bool skeleton;
-  double turn; /* of a turntable [rad] */
+  int frames;   /* 0: one picture */
+  bool video;   /* an AVI file */
+  double until; /* time of the last frame */
   skf_render_scene what;
   skf_render_body *bodies;
   skf_tracer **tracers;    /* of each body */
@@ -29,7 +31,8 @@ typedef struct render_job {
   skf_look **looks;        /* of bodies that are seen through, or skeletons */
   size_t body_count;
   float *rgb, *depth;
-  bool cut; /* interrupted */
+  bool cut;       /* interrupted */
+  char label[40]; /* of the progress bar */
 } render_job;
 
 /* ---- render_scene.c: from the scene to what is rendered; CLI_DONE, or a status after the message ---- */
@@ -37,6 +40,8 @@ int render_images(render_job *j);
 int render_bodies(render_job *j);
 int render_camera(render_job *j);
 void render_ground(render_job *j);
+/* Turns the bodies to the job's time. */
+void render_spin(render_job *j);
 /* Frees all but the scene and the run. */
 void render_release(render_job *j);
 
@@ -47,5 +52,11 @@ int render_trace(render_job *j);
 int render_encode(render_job *j, const char *ending, unsigned char **bytes, size_t *n);
 /* The cost map as a chart. */
 int render_cost(render_job *j, unsigned char **bytes, size_t *n);
+/* Trace and encode, or the cost map. */
+int render_picture(render_job *j, const char *ending, unsigned char **bytes, size_t *n);
+
+/* ---- render_film.c ---- */
+int render_film_parse(render_job *j);
+int render_film(render_job *j);
 
 #endif

@@ -13,7 +13,7 @@ int render_trace(render_job *j) {
   if (!j->rgb) j->rgb = malloc(3 * n * sizeof *j->rgb);
   if (!j->depth) j->depth = malloc(n * sizeof *j->depth);
   if (!j->rgb || !j->depth) return cli_fail(CLI_FAILED, "out of memory");
-  skf_status s = skf_render(&j->what, j->rgb, j->depth, cli_progress("render"));
+  skf_status s = skf_render(&j->what, j->rgb, j->depth, cli_progress(j->label));
   cli_progress_end();
   j->cut = s == SKF_ERR_CANCELLED;
   return s && !j->cut ? cli_fail_status(s, "render") : CLI_DONE;
@@ -35,8 +35,12 @@ static skf_status draw(render_job *j, const char *ending, unsigned char **bytes,
                       h,
                       j->depth,
                       0.0028 * sqrt((double)w * h),
-                      v3_dist(j->what.camera.from, j->what.camera.to)};
-    if (!render_paths(&view, &j->run)) s = SKF_ERR_NOMEM;
+                      v3_dist(j->what.camera.from, j->what.camera.to),
+                      j->frames > 0};
+    run_data shown = j->run;
+    bool good = j->frames == 0 || run_until(&j->run, j->time, &shown);
+    if (!good || !render_paths(&view, &shown)) s = SKF_ERR_NOMEM;
+    if (j->frames) run_free(&shown);
   }
   if (s) snprintf(error, 256, "%s", skf_status_text(s));
   if (!s) s = j->plot->encode(canvas, ending, bytes, n, error);
@@ -108,7 +112,7 @@ int render_cost(render_job *j, unsigned char **bytes, size_t *n) {
   char error[256];
   float *cost = malloc((size_t)j->what.width * j->what.height * sizeof *cost);
   if (!cost) return cli_fail(CLI_FAILED, "out of memory");
-  skf_status s = skf_render_cost(&j->what, cost, NULL, cli_progress("render"));
+  skf_status s = skf_render_cost(&j->what, cost, NULL, cli_progress(j->label));
   cli_progress_end();
   j->cut = s == SKF_ERR_CANCELLED;
   if (s && !j->cut) return free(cost), cli_fail_status(s, "render");
@@ -121,4 +125,10 @@ int render_cost(render_job *j, unsigned char **bytes, size_t *n) {
   if (h && h->canvas) j->plot->destroy(h->canvas);
   free(h), free(cost);
   return status;
+}
+
+int render_picture(render_job *j, const char *ending, unsigned char **bytes, size_t *n) {
+  if (j->mode == RENDER_COST) return render_cost(j, bytes, n);
+  int status = render_trace(j);
+  return status ? status : render_encode(j, ending, bytes, n);
 }

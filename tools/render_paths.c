@@ -98,7 +98,7 @@ bool render_paths(const path_view *v, const run_data *run) {
     skf_vec3 *path = run_path(run, i, &n);
     picture_color(i, rgba);
     bool drawn = path && (n == 0 || draw(v, path, n, rgba));
-    if (drawn && n) dot(v, path[0], 2 * v->line, rgba);
+    if (drawn && n) dot(v, path[v->heads ? n - 1 : 0], 2 * v->line, rgba);
     free(path);
     if (!drawn) return false;
   }

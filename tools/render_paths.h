@@ -14,6 +14,7 @@ typedef struct path_view {
   const float *depth; /* of the surfaces, as skf_render gives it */
   double line;        /* width of a line at the distance `middle` [pixels] */
   double middle;      /* [L] */
+  bool heads;         /* dots at the paths' ends, not at their starts */
 } path_view;
 
 /* Draws all paths and contacts. False when memory is out. */

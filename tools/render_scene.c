@@ -122,6 +122,11 @@ static int add_skeleton(render_job *j, size_t i) {
   return CLI_DONE;
 }
 
+void render_spin(render_job *j) {
+  size_t n = j->scene->body_count;
+  for (size_t i = 0; i < j->what.body_count; i++) turn_body(j, j->scene->bodies + i % n, j->bodies + i);
+}
+
 int render_bodies(render_job *j) {
   const skf_scene *s = j->scene;
   size_t n = s->body_count;
@@ -218,12 +223,7 @@ int render_camera(render_job *j) {
   if (!status) status = vector(c, "up", &camera->up);
   if (!status && !(v3_dist(camera->from, camera->to) > 0))
     status = cli_fail(CLI_BAD, "the camera looks nowhere: its two points, from and to, are one");
-  if (status || j->turn == 0) return status;
-  skf_vec3 k = v3_unit(camera->up), d = v3_sub(camera->from, camera->to); /* about the upright through `to` */
-  double cosine = cos(j->turn), sine = sin(j->turn);
-  d = v3_add(v3_mad(v3_scale(cosine, d), sine, v3_cross(k, d)), v3_scale(v3_dot(k, d) * (1 - cosine), k));
-  camera->from = v3_add(camera->to, d);
-  return CLI_DONE;
+  return status;
 }
 
 /* The floor lies under the lowest point of the bodies' regions. */

@@ -38,4 +38,8 @@ void run_free(run_data *run);
    the points (to be freed), NULL when memory is out. */
 skf_vec3 *run_path(const run_data *run, size_t particle, size_t *count);
 
+/* What there is of a run at time t: the states before, one at t between two of them, the contacts before. False when
+   memory is out; free it with run_free either way. */
+bool run_until(const run_data *run, double t, run_data *out);
+
 #endif

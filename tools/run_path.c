@@ -80,3 +80,38 @@ skf_vec3 *run_path(const run_data *run, size_t particle, size_t *count) {
   *count = l.n;
   return room ? l.at : NULL;
 }
+
+/* The state at time t between two, past the contacts that lie between them. */
+static run_state state_at(const run_data *run, size_t particle, const run_state *a, const run_state *b, double t) {
+  run_state from = *a;
+  const run_contact *c;
+  bool after = false;
+  while ((c = contact_after(run, particle, from.t, t))) from = c->state, after = true;
+  double s = b->t > from.t ? (t - from.t) / (b->t - from.t) : 1;
+  run_state out = {t, v3_mad(from.x, s, v3_sub(b->x, from.x)), b->v};
+  if (!after && !contact_after(run, particle, t, b->t) && smooth(&from, b)) {
+    double h = 1e-3 * (b->t - from.t), early = fmax(s - 1e-3, 0), late = fmin(s + 1e-3, 1);
+    out.x = between(&from, b, s);
+    out.v = v3_scale(1e-3 / (h * (late - early)), v3_sub(between(&from, b, late), between(&from, b, early)));
+  }
+  return out;
+}
+
+bool run_until(const run_data *run, double t, run_data *out) {
+  *out = (run_data){.particles = calloc(run->particle_count + 1, sizeof *out->particles),
+                    .contacts = calloc(run->contact_count + 1, sizeof *out->contacts)};
+  if (!out->particles || !out->contacts) return false;
+  for (size_t i = 0; i < run->particle_count; i++) {
+    const run_particle *p = run->particles + i;
+    run_particle *q = out->particles + out->particle_count++;
+    *q = *p, q->count = 0;
+    if (!(q->states = calloc(p->count + 1, sizeof *q->states))) return false;
+    while (q->count < p->count && p->states[q->count].t <= t) q->states[q->count] = p->states[q->count], q->count++;
+    size_t n = q->count;
+    if (n && n < p->count && p->states[n - 1].t < t)
+      q->states[q->count++] = state_at(run, i, p->states + n - 1, p->states + n, t);
+  }
+  for (size_t i = 0; i < run->contact_count; i++)
+    if (run->contacts[i].state.t <= t) out->contacts[out->contact_count++] = run->contacts[i];
+  return true;
+}
