@@ -95,48 +95,58 @@ SKF_INLINE skf_vvalue cauchy_gather(const arc_row *c, const arc_view *f, const c
    from the middle of the arc, N cos delta = a C - b cos mu, N cos sigma = a cos mu - b C, N sin delta = D S, W0 + W1 =
    2 (a - b C cos mu). */
 typedef struct cauchy_arc_state {
-  skf_vd u, v, z, k, inner, outer, Pm, Pp, D, a, b, m, cross, dot, N2, inv, offset, t;
+  skf_vd u, v, z, k;
+  skf_vd inner, outer, Pm, Pp, D, per_k;                /* set in the turn */
+  skf_vd a, b, m, cross, dot, per_D, per_N2, offset, t; /* set in the middle; then t is delta */
   skf_vi good;
 } cauchy_arc_state;
 
-SKF_INLINE cauchy_arc_state cauchy_arc_begin(const arc_row *c, skf_v3d x) {
+SKF_INLINE void cauchy_arc_begin(const arc_row *c, skf_v3d x, cauchy_arc_state *s) {
   skf_v3d d = vd3_sub(x, c->center);
-  skf_vd u = vd3_dot(d, c->e), v = vd3_dot(d, c->f), z = vd3_dot(d, c->n), k = vd_sqrt(vd_fma(u, u, v * v)), zz = z * z;
-  skf_vd inner = k - c->rho, outer = k + c->rho, alpha = vd_fma(inner, inner, zz), beta = vd_fma(outer, outer, zz);
-  skf_vd one = vd_set(1), Pm = vd_fma(c->param2, alpha, one), Pp = vd_fma(c->param2, beta, one), D = vd_sqrt(Pm * Pp);
-  skf_vd b2 = (c->rho + c->rho) * c->param2, m = vd_fma(c->C, u, c->S * v), b = b2 * k, a = Pm + b;
-  skf_vd dot = vd_fnma(b2, m, a * c->C), cross = D * c->S, N2 = vd_fma(dot, dot, cross * cross);
-  skf_vd outer2 = outer * outer;
-  skf_vi good = ((vd_set(1024) * alpha > outer2) | (c->param2 * outer2 < vd_set(64))) & (vd_set(1024) * N2 > a * a);
-  return (cauchy_arc_state){u, v, z, k, inner, outer, Pm, Pp, D, a, b, m, cross, dot, N2, D, D, D, good};
+  s->u = vd3_dot(d, c->e), s->v = vd3_dot(d, c->f), s->z = vd3_dot(d, c->n);
+  s->k = vd_sqrt(vd_fma(s->u, s->u, s->v * s->v));
+}
+
+SKF_INLINE void cauchy_arc_turn(const arc_row *c, cauchy_arc_state *s) {
+  skf_vd inner = s->k - c->rho, outer = s->k + c->rho, zz = s->z * s->z, outer2 = outer * outer, one = vd_set(1);
+  skf_vd alpha = vd_fma(inner, inner, zz), Pm = vd_fma(c->param2, alpha, one), Pp = vd_fma(c->param2, outer2 + zz, one);
+  s->inner = inner, s->outer = outer, s->Pm = Pm, s->Pp = Pp;
+  s->D = vd_sqrt(Pm * Pp), s->per_k = one / s->k;
+  s->good =
+      ((vd_set(1024) * alpha > outer2) | (c->param2 * outer2 < vd_set(64))) & (s->k > vd_set(SKF_PICK(1e-140, 1e-18)));
 }
 
 SKF_INLINE void cauchy_arc_middle(const arc_row *c, cauchy_arc_state *s) {
-  (void)c;
-  skf_vangle a = vd_angle_parts(s->cross, s->dot);
-  s->inv = vd_set(1) / (s->k * s->D * s->N2);
-  s->offset = a.offset, s->t = a.top / a.bottom;
-  s->good &= vd_sane(s->inv);
+  skf_vd b2 = (c->rho + c->rho) * c->param2, m = vd_fma(c->C, s->u, c->S * s->v), b = b2 * s->k, a = s->Pm + b;
+  skf_vd dot = vd_fnma(b2, m, a * c->C), cross = s->D * c->S, N2 = vd_fma(dot, dot, cross * cross);
+  skf_vangle angle = vd_angle_parts(cross, dot);
+  s->m = m, s->b = b, s->a = a, s->dot = dot, s->cross = cross, s->offset = angle.offset;
+  s->per_N2 = vd_set(1) / N2, s->per_D = vd_set(1) / s->D, s->t = angle.top / angle.bottom;
+  s->good &= (vd_set(1024) * N2 > a * a) & (N2 < vd_set(SKF_PICK(1e140, 1e18)));
 }
 
+SKF_INLINE void cauchy_arc_series(const arc_row *c, cauchy_arc_state *s) {
+  (void)c;
+  s->t = vd_angle_series(s->offset, s->t);
+}
+
+/* first, second: sin delta cos sigma and sin 2 delta cos 2 sigma / 2; int cos^2 = (delta + first) / 2, int cos^4 =
+   (3 delta + 4 first + second) / 8, int cos^2 sin^2 = (delta - second) / 8. */
 SKF_INLINE skf_vvalue cauchy_arc_end(const arc_row *c, const cauchy_arc_state *s) {
-  skf_vd per_N2 = s->inv * (s->D * s->k), rest = s->inv * s->N2, per_D = rest * s->k, per_k = rest * s->D;
-  skf_vd per = per_D * per_D, im = s->Pp * per, ip = s->Pm * per, mu = s->m * per_k,
-         cs = vd_fnma(s->b, c->C, s->a * mu);
-  skf_vd delta = vd_angle_series(s->offset, s->t), sN = s->cross * per_N2,
-         first = vd_set(0.5) * sN * cs;                                                 /* sin d cos s / 2 */
-  skf_vd second = sN * s->dot * vd_fma(vd_set(0.25) * per_N2 * cs, cs, vd_set(-0.125)); /* sin 2d cos 2s / 16 */
-  skf_vd half = vd_set(0.5) * delta, fourth = vd_fma(vd_set(0.375), delta, second);
-  skf_vd mixed = vd_fms(vd_set(0.125), delta, second);
-  skf_vd cc = im * vd_fma(fourth + first, im, mixed * ip), ss = ip * vd_fma(fourth - first, ip, mixed * im),
+  skf_vd per_k = s->per_k, per_D = s->per_D, per = per_D * per_D, im = s->Pp * per, ip = s->Pm * per;
+  skf_vd cs = vd_fms(s->a, s->m * per_k, s->b * c->C), sN = s->cross * s->per_N2, turned = s->per_N2 * cs;
+  skf_vd delta = s->t, first = sN * cs;
+  skf_vd second = sN * s->dot * vd_fma(turned + turned, cs, vd_set(-1)), twice = first + first, four = twice + twice;
+  skf_vd fourth = vd_fma(vd_set(3), delta, second), mixed = delta - second;
+  skf_vd cc = im * vd_fma(fourth + four, im, mixed * ip), ss = ip * vd_fma(fourth - four, ip, mixed * im),
          all = cc + ss;
-  skf_vd K = (c->rho + c->rho) * per_D, F = K * vd_fma(half + first, im, (half - first) * ip);
-  skf_vd G = vd_set(-4) * c->param2 * K, R = G * per_k * vd_fma(s->inner, cc, s->outer * ss);
-  skf_vd b2 = (c->rho + c->rho) * c->param2, W = vd_fnma(c->C * b2, s->m, s->a), per_kN = per_k * per_N2;
+  skf_vd F = c->rho * per_D * vd_fma(delta + first, im, (delta - first) * ip);
+  skf_vd G = -(c->rho * c->param2) * per_D, R = G * per_k * vd_fma(s->inner, cc, s->outer * ss);
+  skf_vd b2 = (c->rho + c->rho) * c->param2, W = vd_fnma(c->C * b2, s->m, s->a), per_kN = per_k * s->per_N2;
   skf_vd ends = vd_set(4) * c->rho * b2 * c->S * vd_fms(c->S, s->u, c->C * s->v) * W * (per_kN * per_kN);
   skf_v3d g = vd3_scale(vd_fms(R, s->u, ends * s->v), c->e);
   g = vd3_mad(vd3_mad(g, vd_fma(R, s->v, ends * s->u), c->f), G * all * s->z, c->n);
-  return (skf_vvalue){F, g, s->good & (vd_set(128) * all > delta * im * im)};
+  return (skf_vvalue){F, g, s->good & (vd_set(16) * all > delta * im * im)};
 }
 
 SKF_INLINE skf_vvalue cauchy_arc_close(const arc_row *c, skf_v3d x) {
@@ -187,7 +197,7 @@ SKF_INLINE skf_vvalue inverse_circle(const arc_row *c, skf_v3d x) {
   return arc_finish(c, &f, q.K, (q.sin2 - q.K) / f.alpha, -(q.sin2 / f.beta), vd_set(0), vd_sane(f.alpha));
 }
 
-SKF_BATCH_STAGED(cauchy_arc, arc, cauchy_arc_close)
+SKF_BATCH_STAGED(cauchy_arc, arc, cauchy_arc_close, cauchy_arc_turn, cauchy_arc_middle, cauchy_arc_series)
 SKF_BATCH_FORM(cauchy_circle, arc, skf_again_none)
 SKF_BATCH_FORM(inverse_circle, arc, skf_again_none)
 

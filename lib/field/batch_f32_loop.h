@@ -92,15 +92,17 @@ static void batch_scale(size_t n, float scale, const float *F, const float *v, f
   }                                                                                                                    \
   SKF_F32_ADD(name)
 
-#define SKF_BATCH_STAGES(name)                                                                                         \
+#define SKF_BATCH_STAGES(name, woven, one, two, three)                                                                 \
   SKF_F32_KEEP(name)                                                                                                   \
   SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, skf_vd strength, size_t n,         \
                              const float *const p[3], float *const sum[4]) {                                           \
     name##_state s[SKF_FLIGHT];                                                                                        \
     for (size_t i = 0, m; i < n; i += m * SKF_LANES) {                                                                 \
       m = n - i < SKF_FLIGHT * SKF_LANES ? (n - i) / SKF_LANES : SKF_FLIGHT;                                           \
-      SKF_ROLLED for (size_t u = 0; u < m; u++) s[u] = name##_begin(row, points_load(p, i + u * SKF_LANES));           \
-      SKF_ROLLED for (size_t u = 0; u < m; u++) name##_middle(row, s + u);                                             \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) name##_begin(row, points_load(p, i + u * SKF_LANES), s + u);           \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) one(row, s + u);                                                       \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) two(row, s + u);                                                       \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) three(row, s + u);                                                     \
       SKF_ROLLED for (size_t u = 0; u < m; u++)                                                                        \
           name##_keep(tile, j, p, i + u * SKF_LANES, strength, name##_end(row, s + u), sum);                           \
     }                                                                                                                  \

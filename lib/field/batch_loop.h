@@ -17,12 +17,12 @@
    `if (vi_any(m))` may save work but must not change what a lane gets.
 
    A chain of a root, a division and a polynomial is longer than what the processor looks ahead. So two vectors are
-   evaluated at once, which branches within NAME would hinder; and a long form may be cut where its roots and where its
-   quotients are in flight, in
-     NAME_state NAME_begin(const ROW_row *, skf_v3d x)
-     void NAME_middle(const ROW_row *, NAME_state *)
+   evaluated at once, which branches within NAME would hinder; and a long form may be cut where its roots, its quotients
+   and its series are in flight, in
+     void NAME_begin(const ROW_row *, skf_v3d x, NAME_state *)
+     void ONE(const ROW_row *, NAME_state *)               and TWO, THREE, or skf_stage_none
      skf_vvalue NAME_end(const ROW_row *, const NAME_state *)
-     SKF_BATCH_STAGED(NAME, ROW, AGAIN) */
+     SKF_BATCH_STAGED(NAME, ROW, AGAIN, ONE, TWO, THREE) */
 #ifndef SKF_FIELD_BATCH_LOOP_H
 #define SKF_FIELD_BATCH_LOOP_H
 
@@ -47,6 +47,10 @@ SKF_INLINE skf_v3d vd3_scale(skf_vd s, skf_v3d a) { return (skf_v3d){s * a.x, s 
 /* a + s b */
 SKF_INLINE skf_v3d vd3_mad(skf_v3d a, skf_vd s, skf_v3d b) {
   return (skf_v3d){vd_fma(s, b.x, a.x), vd_fma(s, b.y, a.y), vd_fma(s, b.z, a.z)};
+}
+/* a - s b */
+SKF_INLINE skf_v3d vd3_less(skf_v3d a, skf_vd s, skf_v3d b) {
+  return (skf_v3d){vd_fnma(s, b.x, a.x), vd_fnma(s, b.y, a.y), vd_fnma(s, b.z, a.z)};
 }
 SKF_INLINE skf_v3d vd3_select(skf_vi m, skf_v3d a, skf_v3d b) {
   return (skf_v3d){vd_select(m, a.x, b.x), vd_select(m, a.y, b.y), vd_select(m, a.z, b.z)};
@@ -94,15 +98,26 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
   SKF_BATCH_COMMON(name, row_name, again)                                                                              \
   SKF_BATCH_PAIRS(name)
 
-/* A form in three functions. SKF_FLIGHT vectors are in each before the next. */
-#define SKF_BATCH_STAGED(name, row_name, again)                                                                        \
+/* A form in stages, SKF_FLIGHT vectors in each before the next: NAME_begin, three, NAME_end. */
+#define SKF_BATCH_STAGED(name, row_name, again, one, two, three)                                                       \
+  SKF_BATCH_STAGES_OF(name, row_name, again, false, one, two, three)
+/* A short one, its roots and quotients worth as much as all the rest: the last stage of some vectors and the first of
+   the next share a loop, so that the one multiplies while the other divides. */
+#define SKF_BATCH_WOVEN(name, row_name, again, one, two, three)                                                        \
+  SKF_BATCH_STAGES_OF(name, row_name, again, true, one, two, three)
+#define skf_stage_none(row, s) ((void)(row), (void)(s))
+
+#define SKF_BATCH_STAGES_OF(name, row_name, again, woven, one, two, three)                                             \
   SKF_INLINE skf_vvalue name##_value(const row_name##_row *row, skf_v3d x) {                                           \
-    name##_state s = name##_begin(row, x);                                                                             \
-    name##_middle(row, &s);                                                                                            \
+    name##_state s;                                                                                                    \
+    name##_begin(row, x, &s);                                                                                          \
+    one(row, &s);                                                                                                      \
+    two(row, &s);                                                                                                      \
+    three(row, &s);                                                                                                    \
     return name##_end(row, &s);                                                                                        \
   }                                                                                                                    \
   SKF_BATCH_COMMON(name, row_name, again)                                                                              \
-  SKF_BATCH_STAGES(name)
+  SKF_BATCH_STAGES(name, woven, one, two, three)
 
 #ifdef SKF_VEC_FLOAT
 #include "field/batch_f32_loop.h"
@@ -334,43 +349,69 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
   }
 
 /* Stage after stage, for many vectors each: their chains of operations are short enough to overlap, and what is between
-   waits in memory, so that few registers are needed. */
-#define SKF_BATCH_STAGES(name)                                                                                         \
+   waits in memory, so that few registers are needed. A stage best ends with its roots and quotients: what waits for
+   them fills the scheduler. Nor is there a call in these loops, which would spill the constants. */
+#define SKF_BATCH_STAGES(name, woven, one, two, three)                                                                 \
+  /* the vector of points from i on by itself */                                                                       \
+  static __attribute__((noinline, cold)) void name##_apart(const skf_tile *tile, size_t j, const double *const p[3],   \
+                                                           size_t i, double *const out[4], bool more) {                \
+    const skf_vd strength = vd_set(tile->column[j]);                                                                   \
+    name##_row row;                                                                                                    \
+    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+    skf_vvalue v = name##_value(&row, points_load(p, i));                                                              \
+    name##_redo(tile, j, p, i, &v);                                                                                    \
+    if (more)                                                                                                          \
+      vv_add(strength, &v, out, i);                                                                                    \
+    else                                                                                                               \
+      vv_store(strength, &v, out, i);                                                                                  \
+  }                                                                                                                    \
   /* element j at all points; out is set, or added to */                                                               \
-  static __attribute__((noinline)) void name##_stages(const skf_tile *tile, size_t j, size_t n,                        \
-                                                      const double *const p[3], double *const out[4], bool more) {     \
+  SKF_INLINE void name##_stages(const skf_tile *tile, size_t j, size_t n, const double *const p[3],                    \
+                                double *const out[4], const bool more) {                                               \
     double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
     const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
     const skf_vd strength = vd_set(tile->column[j]);                                                                   \
     name##_row row;                                                                                                    \
     name##_state s[SKF_FLIGHT];                                                                                        \
     row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
-    for (size_t i = 0, m; i < n; i += m * SKF_LANES) {                                                                 \
-      m = n - i < SKF_FLIGHT * SKF_LANES ? (n - i) / SKF_LANES : SKF_FLIGHT;                                           \
-      SKF_ROLLED for (size_t u = 0; u < m; u++) s[u] = name##_begin(&row, points_load(in, i + u * SKF_LANES));         \
-      SKF_ROLLED for (size_t u = 0; u < m; u++) name##_middle(&row, s + u);                                            \
-      SKF_ROLLED for (size_t u = 0; u < m; u++) {                                                                      \
-        const size_t at = i + u * SKF_LANES;                                                                           \
+    size_t last = 0, next = 0;                                                                                         \
+    do {                                                                                                               \
+      const size_t flying = (next - last) / SKF_LANES, left = (n - next) / SKF_LANES;                                  \
+      const size_t m = left < SKF_FLIGHT ? left : SKF_FLIGHT;                                                          \
+      double *const there[4] = {to[0] + last, to[1] + last, to[2] + last, to[3] + last};                               \
+      const double *const here[3] = {in[0] + next, in[1] + next, in[2] + next};                                        \
+      size_t bad[SKF_FLIGHT], bads = 0;                                                                                \
+      SKF_ROLLED for (size_t u = 0; u < flying; u++) {                                                                 \
         skf_vvalue v = name##_end(&row, s + u);                                                                        \
-        if (__builtin_expect(!vi_all(v.good), 0)) {                                                                    \
-          skf_vvalue w = v;                                                                                            \
-          name##_redo(tile, j, in, at, &w);                                                                            \
-          v = w;                                                                                                       \
-        }                                                                                                              \
-        if (more)                                                                                                      \
-          vv_add(strength, &v, to, at);                                                                                \
+        if (__builtin_expect(!vi_all(v.good), 0))                                                                      \
+          bad[bads++] = u;                                                                                             \
+        else if (more)                                                                                                 \
+          vv_add(strength, &v, there, u *SKF_LANES);                                                                   \
         else                                                                                                           \
-          vv_store(strength, &v, to, at);                                                                              \
+          vv_store(strength, &v, there, u *SKF_LANES);                                                                 \
+        if (woven && u < m) name##_begin(&row, points_load(here, u *SKF_LANES), s + u);                                \
       }                                                                                                                \
-    }                                                                                                                  \
+      SKF_ROLLED for (size_t u = woven ? flying : 0; u < m; u++)                                                       \
+          name##_begin(&row, points_load(here, u *SKF_LANES), s + u);                                                  \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) one(&row, s + u);                                                      \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) two(&row, s + u);                                                      \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) three(&row, s + u);                                                    \
+      for (size_t k = 0; k < bads; k++) name##_apart(tile, j, in, last + bad[k] * SKF_LANES, to, more);                \
+      last = next, next += m * SKF_LANES;                                                                              \
+    } while (last < next);                                                                                             \
   }                                                                                                                    \
-  static void name##_one(const skf_tile *tile, size_t n, const double *const p[3], double *const out[4]) {             \
+  static __attribute__((noinline)) void name##_one(const skf_tile *tile, size_t n, const double *const p[3],           \
+                                                   double *const out[4]) {                                             \
     name##_stages(tile, 0, n, p, out, false);                                                                          \
+  }                                                                                                                    \
+  static __attribute__((noinline)) void name##_more(const skf_tile *tile, size_t j, size_t n,                          \
+                                                    const double *const p[3], double *const out[4]) {                  \
+    name##_stages(tile, j, n, p, out, true);                                                                           \
   }                                                                                                                    \
   static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
     double all[4][SKF_BATCH], *const out[4] = {all[0], all[1], all[2], all[3]};                                        \
     for (int k = 0; k < 4; k++) memset(all[k], 0, n * sizeof(double));                                                 \
-    for (size_t j = 0; j < tile->count; j++) name##_stages(tile, j, n, p, out, true);                                  \
+    for (size_t j = 0; j < tile->count; j++) name##_more(tile, j, n, p, out);                                          \
     for (size_t i = 0; i < n; i += SKF_LANES) {                                                                        \
       const skf_vvalue v = {vd_load(all[0] + i), {vd_load(all[1] + i), vd_load(all[2] + i), vd_load(all[3] + i)}};     \
       sum_add(sum, i, &v, first);                                                                                      \

@@ -52,27 +52,29 @@ SKF_INLINE skf_v3d segment_gradient(const segment_row *c, const segment_view *f,
    Seen from x the ends are less than 165 degrees apart, else D loses too much. */
 typedef struct inverse_segment_state {
   skf_v3d d0, d1;
-  skf_vd r0, r1, near, far; /* then w r1, w r0, t and count of the logarithm */
+  skf_vd r0, r1, dot; /* dot: then w of the gradient */
+  skf_vd count, t;    /* of the logarithm, set in the middle */
   skf_vi good;
 } inverse_segment_state;
 
-SKF_INLINE inverse_segment_state inverse_segment_begin(const segment_row *c, skf_v3d x) {
-  skf_v3d d0 = vd3_sub(x, c->from), d1 = vd3_sub(x, c->to);
-  skf_vd r0 = vd_sqrt(vd3_dot(d0, d0)), r1 = vd_sqrt(vd3_dot(d1, d1)), rr = r0 * r1, near = rr + vd3_dot(d0, d1);
-  skf_vi good = (vd_set(SKF_PICK(32, 64)) * near > rr) & vd_sane(rr);
-  return (inverse_segment_state){d0, d1, r0, r1, near, (r0 + r1) + c->L, good};
+SKF_INLINE void inverse_segment_begin(const segment_row *c, skf_v3d x, inverse_segment_state *s) {
+  s->d0 = vd3_sub(x, c->from), s->d1 = vd3_sub(x, c->to);
+  s->r0 = vd_sqrt(vd3_dot(s->d0, s->d0)), s->r1 = vd_sqrt(vd3_dot(s->d1, s->d1));
+  s->dot = vd3_dot(s->d0, s->d1);
 }
 
 SKF_INLINE void inverse_segment_middle(const segment_row *c, inverse_segment_state *s) {
-  skf_vd r0 = s->r0, r1 = s->r1, w = -c->L / (s->near * (r0 * r1));
-  skf_vlog l = vd_log_parts(s->far * (vd_set(0.5) * s->far), s->near, c->L * s->far);
-  s->near = l.top / l.bottom, s->far = l.count;
-  s->r0 = w * r1, s->r1 = w * r0;
+  skf_vd rr = s->r0 * s->r1, near = rr + s->dot, far = (s->r0 + s->r1) + c->L;
+  skf_vlog l = vd_log_parts(far * far, near + near, (c->L + c->L) * far);
+  s->good = (vd_set(SKF_PICK(32, 64)) * near > rr) & vd_sane(rr);
+  s->dot = -c->L / (near * rr);
+  s->t = l.top / l.bottom, s->count = l.count;
 }
 
 SKF_INLINE skf_vvalue inverse_segment_end(const segment_row *c, const inverse_segment_state *s) {
   (void)c;
-  return (skf_vvalue){vd_log_series(s->far, s->near), vd3_mad(vd3_scale(s->r0, s->d0), s->r1, s->d1), s->good};
+  skf_vd w = s->dot;
+  return (skf_vvalue){vd_log_series(s->count, s->t), vd3_mad(vd3_scale(w * s->r1, s->d0), w * s->r0, s->d1), s->good};
 }
 
 /* D = 2 n^2 / (r0 r1 - d0 d1) where the sum cancels; int g dt = -2 L S / (D r0 r1). */
@@ -96,36 +98,42 @@ SKF_INLINE skf_vvalue inverse_segment_close(const segment_row *c, skf_v3d x) {
    not known well enough, the other form decides. */
 typedef struct cauchy_segment_state {
   skf_v3d w;
-  skf_vd t0, t1, P, P2, W_sum, WW;
-  skf_vd inv, offset, t; /* set in the middle */
+  skf_vd t0, t1, P, P2, W_sum, per_WW;
+  skf_vd per_P2, offset, t; /* set in the middle; then t is delta */
   skf_vi good;
 } cauchy_segment_state;
 
-SKF_INLINE cauchy_segment_state cauchy_segment_begin(const segment_row *c, skf_v3d x) {
+SKF_INLINE void cauchy_segment_begin(const segment_row *c, skf_v3d x, cauchy_segment_state *s) {
   skf_v3d d = vd3_sub(x, c->from);
   skf_vd t = vd3_dot(d, c->a), t0 = -t, t1 = c->L - t;
   skf_v3d w = vd3_mad(d, t0, c->a);
-  skf_vd h2 = vd3_dot(w, w), P2 = vd_fma(c->param2, h2, vd_set(1));
-  skf_vi good = vd_fma(vd_set(SKF_PICK(256, 1e8)), h2, c->axis2) > t * t;
-  skf_vd W0 = vd_fma(c->param2 * t0, t0, P2), W1 = vd_fma(c->param2 * t1, t1, P2), WW = W0 * W1;
-  return (cauchy_segment_state){w, t0, t1, vd_sqrt(P2), P2, W0 + W1, WW, t, t, t, good};
+  skf_vd h2 = vd3_dot(w, w), P2 = vd_fma(c->param2, h2, vd_set(1)), ps0 = c->param2 * t0, ps1 = c->param2 * t1;
+  skf_vd W0 = vd_fma(ps0, t0, P2), W1 = vd_fma(ps1, t1, P2), WW = W0 * W1;
+  s->w = w, s->t0 = t0, s->t1 = t1, s->P2 = P2, s->W_sum = W0 + W1;
+  s->P = vd_sqrt(P2), s->per_WW = vd_set(1) / WW;
+  s->good = vd_fma(vd_set(SKF_PICK(256, 1e8)), h2, c->axis2) > t * t;
 }
 
 SKF_INLINE void cauchy_segment_middle(const segment_row *c, cauchy_segment_state *s) {
   skf_vangle a = vd_angle_parts(c->param * c->L * s->P, vd_fma(c->param2 * s->t0, s->t1, s->P2));
-  s->inv = vd_set(1) / (s->WW * s->P2);
+  s->per_P2 = vd_set(1) / s->P2;
   s->offset = a.offset, s->t = a.top / a.bottom;
 }
 
+SKF_INLINE void cauchy_segment_series(const segment_row *c, cauchy_segment_state *s) {
+  (void)c;
+  s->t = vd_angle_series(s->offset, s->t);
+}
+
 SKF_INLINE skf_vvalue cauchy_segment_end(const segment_row *c, const cauchy_segment_state *s) {
-  skf_vd P2 = s->P2, tt = c->param2 * s->t0 * s->t1, sum = s->t0 + s->t1, per_WW = s->inv * P2, per_P2 = s->inv * s->WW;
-  skf_vd delta = vd_angle_series(s->offset, s->t), first = delta * (c->per_param * s->P * per_P2);
-  skf_vd L_WW = c->L * per_WW, ends1 = (P2 - tt) * L_WW, F = vd_set(0.5) * per_P2 * (first + ends1);
-  skf_vd wide = vd_fma(c->param2 * sum, sum, (P2 + P2) - tt), ends2 = vd_fms(P2, P2, tt * wide) * (L_WW * per_WW);
-  skf_vd g = -c->param2 * per_P2 * vd_fma(vd_set(3), F, ends2), ends = c->param2 * sum * s->W_sum * (L_WW * per_WW);
-  skf_vi good = (ends1 * vd_set(SKF_PICK(2, 1.25)) > -first) & (ends2 > vd_set(SKF_PICK(-2, -2.5)) * F) &
-                (s->inv > vd_set(SKF_PICK(1e-140, 1e-18)));
-  return (skf_vvalue){F, vd3_mad(vd3_scale(ends, c->a), g, s->w), good & s->good};
+  skf_vd P2 = s->P2, sum = s->t0 + s->t1, tt = c->param2 * s->t0 * s->t1, sums = c->param2 * sum, per_P2 = s->per_P2;
+  skf_vd first = s->t * (c->per_param * s->P * per_P2);
+  skf_vd L_WW = c->L * s->per_WW, L_WW2 = L_WW * s->per_WW, ends1 = (P2 - tt) * L_WW, both = first + ends1;
+  skf_vd F = vd_set(0.5) * per_P2 * both, wide = vd_fma(sums, sum, (P2 + P2) - tt);
+  skf_vd ends2 = vd_fms(P2, P2, tt * wide) * L_WW2, g = -c->param2 * per_P2 * vd_fma(vd_set(3), F, ends2);
+  skf_vi good = (both > vd_set(SKF_PICK(-1, -0.25)) * ends1) & (ends2 > vd_set(SKF_PICK(-2, -2.5)) * F) &
+                (s->per_WW * per_P2 > vd_set(SKF_PICK(1e-140, 1e-18)));
+  return (skf_vvalue){F, vd3_mad(vd3_scale(sums * s->W_sum * L_WW2, c->a), g, s->w), good & s->good};
 }
 
 /* cauchy.c's segment, the quotients gathered into two. */
@@ -143,7 +151,8 @@ SKF_INLINE skf_vvalue cauchy_segment_beyond(const segment_row *c, skf_v3d x) {
   return (skf_vvalue){F, segment_gradient(c, &f, g, ends), a.good & vd_sane(P * P2)};
 }
 
-SKF_BATCH_STAGED(inverse_segment, segment, inverse_segment_close)
-SKF_BATCH_STAGED(cauchy_segment, segment, cauchy_segment_beyond)
+SKF_BATCH_WOVEN(inverse_segment, segment, inverse_segment_close, inverse_segment_middle, skf_stage_none, skf_stage_none)
+SKF_BATCH_STAGED(cauchy_segment, segment, cauchy_segment_beyond, cauchy_segment_middle, cauchy_segment_series,
+                 skf_stage_none)
 
 #endif

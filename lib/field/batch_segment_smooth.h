@@ -89,11 +89,11 @@ typedef struct inverse_squared_segment_state {
   skf_vi good;
 } inverse_squared_segment_state;
 
-SKF_INLINE inverse_squared_segment_state inverse_squared_segment_begin(const segment_row *c, skf_v3d x) {
+SKF_INLINE void inverse_squared_segment_begin(const segment_row *c, skf_v3d x, inverse_squared_segment_state *s) {
   segment_view f = segment_see(c, x);
   skf_vd N = vd_sqrt(f.n0 * f.n1), h2 = f.n2 * c->per_L2, h = vd_sqrt(h2);
   skf_vd t0 = -vd3_dot(f.d0, c->a), t1 = -vd3_dot(f.d1, c->a);
-  return (inverse_squared_segment_state){f, N, h, t0 + t1, h2 - t0 * t1, h2, h2, h2, h2, h2, (skf_vi)h2};
+  *s = (inverse_squared_segment_state){f, N, h, t0 + t1, h2 - t0 * t1, h2, h2, h2, h2, h2, (skf_vi)h2};
 }
 
 SKF_INLINE void inverse_squared_segment_middle(const segment_row *c, inverse_squared_segment_state *s) {
@@ -115,6 +115,7 @@ SKF_INLINE skf_vvalue inverse_squared_segment_end(const segment_row *c, const in
 }
 
 SKF_BATCH_FORM(gaussian_segment, gaussian_span, skf_again_none)
-SKF_BATCH_STAGED(inverse_squared_segment, segment, skf_again_none)
+SKF_BATCH_WOVEN(inverse_squared_segment, segment, skf_again_none, inverse_squared_segment_middle, skf_stage_none,
+                skf_stage_none)
 
 #endif

@@ -43,16 +43,20 @@ SKF_INLINE skf_vvalue far_triangle(const triangle_row *T, skf_v3d to_first) {
   return v;
 }
 
-/* As triangle_inverse.c; the solid angle from its tangent [van Oosterom and Strackee 1983]. Where an edge is so near
-   that r0 r1 + d0 d1 or this tangent cancel, and where the sums do, the closed form decides. */
+/* As triangle_inverse.c; the solid angle from its tangent [van Oosterom and Strackee 1983]. Next to an edge r0 r1 + d0
+   d1 = |d0 x d1|^2 / (r0 r1 - d0 d1). Where an edge is so near that the rounded d count or this tangent cancels, and
+   where the sums do, the closed form decides. */
 SKF_INLINE skf_vvalue near_triangle(const triangle_row *T, const skf_v3d a[3], const skf_vd r[3]) {
-  skf_vd two = vd_set(2), F = vd_set(0), gt = F, gm = F, abs_F = F, abs_g = F, den = r[0] * r[1] * r[2], cube = den;
+  skf_vd two = vd_set(2), zero = vd_set(0), F = zero, gt = F, gm = F, abs_F = F, abs_g = F, den = r[0] * r[1] * r[2],
+         cube = den;
   skf_vi good = vd_sane(den);
   for (int i = 0; i < 3; i++) {
     int j = (i + 1) % 3;
-    skf_vd dot = vd3_dot(a[i], a[j]), rr = r[i] * r[j], near = rr + dot, L = T->L[i], far = r[i] + r[j] + L;
+    skf_v3d n = vd3_cross(a[i], a[j]);
+    skf_vd dot = vd3_dot(a[i], a[j]), rr = r[i] * r[j], L = T->L[i], far = r[i] + r[j] + L;
+    skf_vd near = vd_select(dot < zero, vd3_dot(n, n) / (rr - dot), rr + dot);
     skf_vd J = vd_log_ratio(far * far, two * near, two * L * far), part = vd3_dot(a[i], T->m[i]) * J;
-    good &= vd_set(256) * near > rr;
+    good &= vd_set(SKF_PICK(0x1p14, 256)) * near > rr;
     den = vd_fma(dot, r[(i + 2) % 3], den);
     F += part;
     abs_F += vd_abs(part);
@@ -62,7 +66,7 @@ SKF_INLINE skf_vvalue near_triangle(const triangle_row *T, const skf_v3d a[3], c
   }
   skf_vi first = r[0] < vd_min(r[1], r[2]);
   skf_v3d nearest = vd3_select(first, a[0], vd3_select(r[1] < r[2], a[1], a[2]));
-  skf_vd z = -vd3_dot(nearest, T->n), az = vd_abs(z), num = az * T->twice, zero = vd_set(0);
+  skf_vd z = -vd3_dot(nearest, T->n), az = vd_abs(z), num = az * T->twice;
   skf_vd solid = two * vd_atan2(num, den), Z = vd_select(z > zero, -solid, vd_select(z < zero, solid, zero));
   F = vd_fnma(az, solid, F);
   abs_F = vd_fma(az, solid, abs_F);
@@ -77,49 +81,51 @@ SKF_INLINE skf_vvalue near_triangle(const triangle_row *T, const skf_v3d a[3], c
 /* The same without the care: not near an edge, and not where the edges' sums lose more than 64, which the distances
    tell: far away, or anywhere for slivers. */
 typedef struct inverse_triangle_state {
-  skf_vd near[3], far[3], d[3], z, num, den; /* then count and t of the logarithms, offset and t of the angle */
+  skf_vd r[3], dot[3], d[3], z;
+  skf_vd count[3], t[3], offset, tangent; /* set in the middle; then the logarithms, the angle */
   skf_vi good;
 } inverse_triangle_state;
 
-SKF_INLINE inverse_triangle_state inverse_triangle_begin(const triangle_row *T, skf_v3d x) {
-  inverse_triangle_state s;
+SKF_INLINE void inverse_triangle_begin(const triangle_row *T, skf_v3d x, inverse_triangle_state *s) {
   skf_v3d a[3];
-  skf_vd r[3], rr[3], dot[3];
-  for (int i = 0; i < 3; i++) a[i] = vd3_sub(T->v[i], x), r[i] = vd_sqrt(vd3_dot(a[i], a[i]));
-  for (int i = 0; i < 3; i++) {
-    int j = (i + 1) % 3;
-    dot[i] = vd3_dot(a[i], a[j]), rr[i] = r[i] * r[j], s.near[i] = rr[i] + dot[i], s.far[i] = (r[i] + r[j]) + T->L[i];
-    s.d[i] = vd3_dot(a[i], T->m[i]);
-  }
-  s.z = -vd3_dot(a[0], T->n);
-  s.num = s.z * T->twice;
-  s.den = vd_fma(dot[0], r[2], vd_fma(dot[1], r[0], vd_fma(dot[2], r[1], rr[0] * r[2])));
-  skf_vd least = vd_set(SKF_PICK(128, 64));
-  s.good = (least * s.near[0] > rr[0]) & (least * s.near[1] > rr[1]) & (least * s.near[2] > rr[2]);
-  /* next to a corner z must be taken from there */
-  s.good &= vd_max(vd_abs(s.num), vd_abs(s.den)) > vd_set(SKF_PICK(0x1p-10, 0x1p-5)) * (r[0] * T->twice);
-  s.good &= (s.far[0] + r[2] < T->limit) & ((s.den > vd_set(0)) | (vd_set(0x1p20) * vd_abs(s.z) > r[0])) &
-            vd_sane(rr[0] * r[2]);
-  return s;
+  for (int i = 0; i < 3; i++) a[i] = vd3_sub(T->v[i], x), s->r[i] = vd_sqrt(vd3_dot(a[i], a[i]));
+  for (int i = 0; i < 3; i++) s->dot[i] = vd3_dot(a[i], a[(i + 1) % 3]), s->d[i] = vd3_dot(a[i], T->m[i]);
+  s->z = vd3_dot(a[0], T->n);
 }
 
 SKF_INLINE void inverse_triangle_middle(const triangle_row *T, inverse_triangle_state *s) {
-  skf_vd half = vd_set(0.5);
+  const skf_vd *r = s->r, *dot = s->dot;
+  skf_vd rr[3], far[3], least = vd_set(SKF_PICK(128, 64)), num = vd_abs(s->z) * T->twice;
+  s->good = vi_set(-1);
   for (int i = 0; i < 3; i++) {
-    skf_vlog l = vd_log_parts(half * s->far[i] * s->far[i], s->near[i], T->L[i] * s->far[i]);
-    s->near[i] = l.count, s->far[i] = l.top / l.bottom;
+    int j = (i + 1) % 3;
+    rr[i] = r[i] * r[j];
+    skf_vd near = rr[i] + dot[i], twice = T->L[i] + T->L[i];
+    far[i] = (r[i] + r[j]) + T->L[i];
+    skf_vlog l = vd_log_parts(far[i] * far[i], near + near, twice * far[i]);
+    s->good &= least * near > rr[i];
+    s->count[i] = l.count, s->t[i] = l.top / l.bottom;
   }
-  skf_vangle a = vd_angle_parts(vd_abs(s->num), s->den);
-  s->num = a.offset, s->den = a.top / a.bottom;
+  skf_vd cube = rr[0] * r[2], den = vd_fma(dot[0], r[2], vd_fma(dot[1], r[0], vd_fma(dot[2], r[1], cube)));
+  skf_vangle a = vd_angle_parts(num, den);
+  s->offset = a.offset, s->tangent = a.top / a.bottom;
+  /* next to a corner z must be taken from there */
+  s->good &= vd_max(num, vd_abs(den)) > vd_set(SKF_PICK(0x1p-10, 0x1p-5)) * (r[0] * T->twice);
+  s->good &= (far[0] + r[2] < T->limit) & ((den > vd_set(0)) | (vd_set(0x1p20) * vd_abs(s->z) > r[0])) & vd_sane(cube);
+}
+
+SKF_INLINE void inverse_triangle_series(const triangle_row *T, inverse_triangle_state *s) {
+  (void)T;
+  for (int i = 0; i < 3; i++) s->t[i] = vd_log_series(s->count[i], s->t[i]);
+  skf_vd solid = (skf_vd)((skf_vi)vd_angle_series(s->offset, s->tangent) ^ vd_sign(s->z));
+  s->tangent = solid + solid;
 }
 
 SKF_INLINE skf_vvalue inverse_triangle_end(const triangle_row *T, const inverse_triangle_state *s) {
-  skf_vd J[3];
-  for (int i = 0; i < 3; i++) J[i] = vd_log_series(s->near[i], s->far[i]);
-  skf_vd solid = (skf_vd)((skf_vi)vd_angle_series(s->num, s->den) ^ vd_sign(s->z)), Z = solid + solid;
-  skf_vd F = vd_fma(s->d[0], J[0], vd_fma(s->d[1], J[1], vd_fms(s->d[2], J[2], s->z * Z)));
-  skf_v3d g = vd3_mad(vd3_mad(vd3_mad(vd3_scale(Z, T->n), J[0], T->m[0]), J[1], T->m[1]), J[2], T->m[2]);
-  return (skf_vvalue){F, vd3_scale(vd_set(-1), g), s->good};
+  skf_vd Z = s->tangent, F = vd_fma(s->d[0], s->t[0], vd_fma(s->d[1], s->t[1], vd_fms(s->d[2], s->t[2], s->z * Z)));
+  skf_v3d g = vd3_scale(Z, T->n);
+  for (int i = 0; i < 3; i++) g = vd3_less(g, s->t[i], T->m[i]);
+  return (skf_vvalue){F, g, s->good};
 }
 
 SKF_INLINE skf_vvalue inverse_triangle_any(const triangle_row *T, skf_v3d x) {
@@ -136,6 +142,7 @@ SKF_INLINE skf_vvalue inverse_triangle_any(const triangle_row *T, skf_v3d x) {
   return (skf_vvalue){vd_select(far, v.F, u.F), vd3_select(far, v.g, u.g), (far & v.good) | (~far & u.good)};
 }
 
-SKF_BATCH_STAGED(inverse_triangle, triangle, inverse_triangle_any)
+SKF_BATCH_STAGED(inverse_triangle, triangle, inverse_triangle_any, inverse_triangle_middle, inverse_triangle_series,
+                 skf_stage_none)
 
 #endif
