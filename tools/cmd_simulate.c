@@ -133,7 +133,8 @@ static int fly(simulate *s) {
                  s->starts,
                  sim->t_end,
                  sim->output_every,
-                 {sim->integrator, sim->tolerance, 0, sim->contact, sim->restitution, sim->friction, sim->search}};
+                 {sim->integrator, sim->tolerance, 0, sim->contact, sim->restitution, sim->friction, sim->search, false,
+                  sim->step}};
   skf_run_sink sink = {take_row, take_contact, s};
   skf_run_failure where = {0, 0};
   skf_progress progress = cli_progress("simulate");

@@ -43,7 +43,8 @@ static void tell(const skf_scene *scene, const skf_flight_report *r, const char 
   const char *name = scene->particles[w->particle].name;
   cli_say("  %s kept to %.2g%s%s%s", what, w->drift, w->drift > 0 ? " (worst: " : "", w->drift > 0 ? name : "",
           w->drift > 0 ? ")" : "");
-  if (w->drift > promise(scene, r + w->particle))
+  bool promised = skf_integrator_find(scene->simulation.integrator)->adaptive; /* else it oscillates with the step */
+  if (promised && w->drift > promise(scene, r + w->particle))
     cli_say("skelfield: warning: the drift of %s of particle '%s', %.2g, is more than the tolerance promises, %.2g",
             what, name, w->drift, promise(scene, r + w->particle));
 }
@@ -55,7 +56,10 @@ static void tell_json(const run_summary *sum, const skf_scene *scene, const tota
   json_integer(&j, "rows", (long)sum->rows);
   json_number(&j, "t", sum->t);
   json_string(&j, "integrator", skf_integrator_find(scene->simulation.integrator)->name);
-  json_number(&j, "tolerance", scene->simulation.tolerance);
+  if (scene->simulation.step > 0)
+    json_number(&j, "step", scene->simulation.step);
+  else
+    json_number(&j, "tolerance", scene->simulation.tolerance);
   json_integer(&j, "steps", (long)t->steps);
   json_integer(&j, "refused_steps", (long)t->rejected);
   json_integer(&j, "evaluations", (long)t->evaluations);
@@ -69,9 +73,10 @@ static void tell_json(const run_summary *sum, const skf_scene *scene, const tota
 
 void run_summary_tell(const run_summary *sum, const skf_scene *scene, const skf_flight_report *reports, bool json) {
   total t = add(scene, reports);
-  cli_say("%zu particle%s to t = %.9g in %zu rows (%s, tolerance %.3g)", scene->particle_count,
-          scene->particle_count == 1 ? "" : "s", sum->t, sum->rows,
-          skf_integrator_find(scene->simulation.integrator)->name, scene->simulation.tolerance);
+  const skf_simulation *sim = &scene->simulation;
+  cli_say("%zu particle%s to t = %.9g in %zu rows (%s, %s %.3g)", scene->particle_count,
+          scene->particle_count == 1 ? "" : "s", sum->t, sum->rows, skf_integrator_find(sim->integrator)->name,
+          sim->step > 0 ? "step" : "tolerance", sim->step > 0 ? sim->step : sim->tolerance);
   cli_say("  %zu steps (%zu refused), %zu force evaluations, %zu contact%s", t.steps, t.rejected, t.evaluations,
           sum->contacts, sum->contacts == 1 ? "" : "s");
   tell(scene, reports, "energy", &t.energy);

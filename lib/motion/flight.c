@@ -46,9 +46,10 @@ struct skf_flight {
   skf_flight_report report;
 };
 
-static bool sound(const skf_flight_options *o) {
+static bool sound(const skf_flight_options *o, bool adaptive) {
   if (!(o->tolerance > 0 && o->tolerance <= 0.1) || !(o->max_step > 0)) return false;
   if ((unsigned)o->contact >= SKF_CONTACT_COUNT || (unsigned)o->search > SKF_SEARCH_FAST) return false;
+  if (adaptive ? o->step != 0 : !(o->step > 0 && isfinite(o->step))) return false;
   if (o->contact != SKF_CONTACT_BOUNCE) return true;
   return o->restitution >= 0 && o->restitution <= 1 && o->friction >= 0 && isfinite(o->friction);
 }
@@ -109,7 +110,7 @@ skf_status skf_flight_new(const skf_world *world, const skf_flight_options *opti
   if (o.tolerance == 0) o.tolerance = 1e-12;
   if (o.max_step == 0) o.max_step = INFINITY;
   const skf_integrator_ops *ops = skf_integrator_row(o.integrator);
-  if (!ops || !sound(&o)) return SKF_ERR_ARG;
+  if (!ops || !sound(&o, ops->info.adaptive)) return SKF_ERR_ARG;
   bool certified = o.approach || (o.contact != SKF_CONTACT_NONE && o.search == SKF_SEARCH_CERTIFIED);
   if (certified && !skf_world_has_bound(world)) return SKF_ERR_UNSUPPORTED;
   if (!isfinite(start->t) || !v3_finite(start->position) || !v3_finite(start->velocity)) return SKF_ERR_RANGE;
@@ -121,7 +122,7 @@ skf_status skf_flight_new(const skf_world *world, const skf_flight_options *opti
   if (!f || !f->work || (o.approach && !f->near)) return skf_flight_free(f), SKF_ERR_NOMEM;
   for (size_t i = 0; i < world->n && f->near; i++) f->near[i].best.f = -INFINITY;
   f->world = world, f->options = o, f->ops = ops;
-  f->ode = (skf_ode){skf_world_force, skf_world_force_many, world, !world->still, skf_isa_pick(), 0};
+  f->ode = (skf_ode){skf_world_force, skf_world_force_many, skf_world_jerk, world, !world->still, skf_isa_pick(), 0};
   f->orbit = (skf_orbit){.t = {start->t, 0}, .x = start->position, .v = start->velocity};
   f->from = f->orbit.t;
   f->report.h_min = INFINITY;
@@ -240,7 +241,7 @@ skf_status skf_flight_approach(const skf_flight *f, size_t body, skf_approach *o
 }
 
 skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
-  skf_step_control control = {f->options.tolerance, longest_step(f, &f->orbit)};
+  skf_step_control control = {f->options.tolerance, longest_step(f, &f->orbit), f->options.step};
   if (touched) *touched = false;
   if (f->fate != FLIES) return SKF_OK;
   skf_orbit before = f->orbit;

@@ -15,6 +15,8 @@ typedef struct skf_ode {
      same bits as of `eval`. */
   void (*many)(const void *user, size_t n, const double *t_hi, const double *t_lo, const double *const p[3],
                double *const a[3], double *noise);
+  /* Acceleration and its derivative along the motion. */
+  bool (*jerk)(const void *user, skf_clock t, skf_vec3 x, skf_vec3 v, skf_vec3 *a, skf_vec3 *jerk);
   const void *user;
   bool timed; /* the force depends on t; else t may be anything */
   skf_isa isa;
@@ -33,6 +35,7 @@ typedef struct skf_orbit {
 typedef struct skf_step_control {
   double tolerance;
   double h_max; /* never step further than this */
+  double step;  /* of those with a fixed one, which know neither tolerance nor h_max */
 } skf_step_control;
 
 /* One of many particles that fly at once. */
@@ -63,7 +66,9 @@ typedef struct skf_integrator_ops {
   void (*pass)(const skf_ode *ode, skf_lane *lanes, size_t n, double until);
 } skf_integrator_ops;
 
-extern const skf_integrator_ops skf_integrator_gauss_radau, skf_integrator_dop853, skf_integrator_rkn12;
+extern const skf_integrator_ops skf_integrator_gauss_radau, skf_integrator_dop853, skf_integrator_rkn12,
+    skf_integrator_leapfrog, skf_integrator_yoshida4, skf_integrator_mclachlan4, skf_integrator_yoshida6,
+    skf_integrator_kahan_li6, skf_integrator_yoshida8, skf_integrator_kahan_li8, skf_integrator_hermite4;
 
 const skf_integrator_ops *skf_integrator_row(const char *name);
 
@@ -74,6 +79,10 @@ static inline bool skf_ode_eval(skf_ode *ode, skf_clock t, skf_vec3 x, skf_vec3 
   ode->evaluations++;
   return ode->eval(ode->user, t, &x, a, noise);
 }
+
+/* The polynomial of degree 5 through position, velocity and acceleration at both ends of a step: a path for integrators
+   that have none of their own. */
+skf_status skf_path_between(skf_ode *ode, const skf_orbit *from, const skf_orbit *to, double h, skf_path *path);
 
 /* A step has been taken from `from` to *to. */
 static inline void skf_lane_count(skf_lane *lane, skf_clock from, const skf_orbit *to) {

@@ -3,8 +3,10 @@
 #include "motion/integrator.h"
 #include <string.h>
 
-static const skf_integrator_ops *const registry[] = {&skf_integrator_gauss_radau, &skf_integrator_dop853,
-                                                     &skf_integrator_rkn12};
+static const skf_integrator_ops *const registry[] = {
+    &skf_integrator_gauss_radau, &skf_integrator_dop853,     &skf_integrator_rkn12,    &skf_integrator_leapfrog,
+    &skf_integrator_yoshida4,    &skf_integrator_mclachlan4, &skf_integrator_hermite4, &skf_integrator_yoshida6,
+    &skf_integrator_kahan_li6,   &skf_integrator_yoshida8,   &skf_integrator_kahan_li8};
 
 size_t skf_integrator_count(void) { return sizeof registry / sizeof *registry; }
 

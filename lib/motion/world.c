@@ -200,6 +200,26 @@ void skf_world_force_many(const void *world, size_t n, const double *t_hi, const
   }
 }
 
+bool skf_world_jerk(const void *world, skf_clock t, skf_vec3 p, skf_vec3 v, skf_vec3 *a, skf_vec3 *jerk) {
+  const skf_world *w = world;
+  *a = *jerk = v3(0, 0, 0);
+  for (size_t i = 0; i < w->n; i++) {
+    const skf_world_body *b = w->bodies + i;
+    double h[6], gain = b->is.gain;
+    skf_vec3 g, omega = v3_scale(b->rate, b->axis);
+    if (gain == 0) continue;
+    skf_turn r = skf_turn_at(b, t);
+    skf_vec3 d = skf_turn_vector(&r, -1, v3_sub(v, skf_body_velocity(b, p))); /* as the body sees it */
+    if (!isfinite(skf_field_tensor_at(b->is.field, skf_turn_point(&r, -1, p), &g, h))) return false;
+    skf_vec3 change = v3(h[0] * d.x + h[1] * d.y + h[2] * d.z, h[1] * d.x + h[3] * d.y + h[4] * d.z,
+                         h[2] * d.x + h[4] * d.y + h[5] * d.z);
+    g = skf_turn_vector(&r, 1, g);
+    *a = v3_mad(*a, gain, g);
+    *jerk = v3_mad(*jerk, gain, v3_add(skf_turn_vector(&r, 1, change), v3_cross(omega, g)));
+  }
+  return v3_finite(*a) && v3_finite(*jerk);
+}
+
 double skf_world_potential(const skf_world *w, skf_clock t, skf_vec3 p, double *magnitude) {
   double u = 0, m = 0;
   for (size_t i = 0; i < w->n; i++) {

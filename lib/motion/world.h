@@ -54,6 +54,8 @@ bool skf_world_force(const void *world, skf_clock t, const skf_vec3 *p, skf_vec3
 /* The same bits for n particles, each at a time of its own: an skf_ode's `many`. */
 void skf_world_force_many(const void *world, size_t n, const double *t_hi, const double *t_lo, const double *const p[3],
                           double *const a[3], double *noise);
+/* Acceleration and its time derivative along a motion with velocity v: an skf_ode's `jerk`. False when not finite. */
+bool skf_world_jerk(const void *world, skf_clock t, skf_vec3 p, skf_vec3 v, skf_vec3 *a, skf_vec3 *jerk);
 /* Potential energy per unit mass, and the sum of its terms' magnitudes. */
 double skf_world_potential(const skf_world *world, skf_clock t, skf_vec3 p, double *magnitude);
 /* Velocity of the material at an inertial point. */

@@ -126,7 +126,7 @@ static skf_status read_integrator(skf_reader *r, const skf_node *node, void *int
   if (s) return s;
   const char *text = skf_node_text(&r->yaml, node);
   if (*text && strlen(text) < size && skf_integrator_find(text)) return strcpy(out, text), SKF_OK;
-  char list[128] = "";
+  char list[256] = "";
   for (size_t i = 0; i < skf_integrator_count() && strlen(list) + 40 < sizeof list; i++)
     snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? ", " : "", skf_integrator_get(i)->name);
   return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "integrator is %s, expected one of %s",
@@ -148,16 +148,27 @@ static const skf_key simulation_keys[] = {
      .offset = offsetof(skf_simulation, friction), .range = &skf_not_negative},
     {"search", NULL, "for contacts: misses none, or samples each step (default: certified)", SKF_KEY_OTHER,
      .read = read_search, .form = "certified or fast"},
+    {"step", "T", "of integrators with a fixed step, which know no tolerance", SKF_KEY_NUMBER, false,
+     .offset = offsetof(skf_simulation, step), .range = &skf_positive},
     {"integrator", NULL, "by name (default: the best for the tolerance)", SKF_KEY_OTHER, .read = read_integrator,
      .form = "an integrator's name"},
 };
-const skf_section skf_section_simulation = {"simulation", "how the particles fly", simulation_keys, 8};
+const skf_section skf_section_simulation = {"simulation", "how the particles fly", simulation_keys, 9};
 
 skf_status skf_read_simulation(skf_reader *r, const skf_node *map, void *into) {
   skf_simulation *sim = &((skf_scene *)into)->simulation;
   sim->given = true;
   skf_status s = skf_read_map(r, map, &skf_section_simulation, sim, NULL);
-  if (s || sim->t_end / sim->output_every <= 1e9) return s; /* rows for each particle */
+  if (s) return s;
+  const skf_integrator_info *integrator = skf_integrator_find(sim->integrator);
+  if (integrator->adaptive && sim->step != 0)
+    return skf_error_set(r->error, SKF_ERR_PARSE, skf_map_line(r, map, "step"),
+                         "step given, but %s chooses its own, expected an integrator with a fixed step",
+                         integrator->name);
+  if (!integrator->adaptive && sim->step == 0)
+    return skf_error_set(r->error, SKF_ERR_PARSE, skf_map_line(r, map, "integrator"),
+                         "%s takes steps of one length, expected step", integrator->name);
+  if (sim->t_end / sim->output_every <= 1e9) return s; /* rows for each particle */
   return skf_error_set(r->error, SKF_ERR_RANGE, skf_map_line(r, map, "output_every"),
                        "more than 1e9 output times, expected a larger output_every");
 }

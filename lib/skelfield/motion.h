@@ -46,7 +46,7 @@ typedef struct skf_integrator_info {
   const char *name, *doc;
   int order;       /* error of a step is O(h^(order + 1)) */
   int dense_order; /* error of the position between the ends of a step is O(h^(dense_order + 1)) */
-  bool adaptive;   /* steps follow the tolerance */
+  bool adaptive;   /* steps follow the tolerance; else they are all of the length `step` */
 } skf_integrator_info;
 
 SKF_API size_t skf_integrator_count(void);
@@ -111,6 +111,7 @@ typedef struct skf_flight_options {
   double restitution, friction; /* of a bounce: restitution in [0, 1], friction >= 0 */
   skf_search search;
   bool approach; /* keep the closest approach to each body: see skf_flight_approach */
+  double step;   /* [T] > 0, for integrators that are not adaptive, which know no tolerance; 0 for the others */
 } skf_flight_options;
 
 typedef enum skf_outcome {

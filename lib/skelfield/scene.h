@@ -65,7 +65,7 @@ typedef struct skf_particle {
 
 typedef struct skf_simulation {
   bool given;
-  double t_end, output_every, tolerance;
+  double t_end, output_every, tolerance, step; /* step: 0 where the integrator chooses */
   skf_contact_mode contact;
   double restitution, friction;
   skf_search search;

@@ -83,5 +83,15 @@ expect_refused "a start in a singularity" "inside.yaml:11: particle 'stone' star
 sed 's/tolerance:/integrator: euler, tolerance:/' fall.yaml >euler.yaml
 run simulate euler.yaml
 expect_refused "an unknown integrator" "euler.yaml:13: integrator is .euler., expected one of gauss-radau, dop853"
+sed 's/tolerance: [^,}]*/integrator: yoshida8, step: 0.01/' fall.yaml >fixed.yaml
+run simulate fixed.yaml -o fixed.csv
+expect_status "a fixed step" 0
+expect_err "and the summary tells it" "yoshida8, step 0.01"
+sed 's/tolerance:/integrator: leapfrog, tolerance:/' fall.yaml >stepless.yaml
+run simulate stepless.yaml
+expect_refused "a fixed step that is not given" "stepless.yaml:13: leapfrog takes steps of one length, expected step"
+sed 's/tolerance:/step: 0.1, tolerance:/' fall.yaml >steps.yaml
+run simulate steps.yaml
+expect_refused "a step that nobody takes" "steps.yaml:13: step given, but gauss-radau chooses its own"
 
 tap_done

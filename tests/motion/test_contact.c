@@ -19,7 +19,7 @@ static void drop(skf_world *w, skf_field *f) {
 /* From rest at r0 to R: t = sqrt(r0^3 / 2) (acos sqrt x + sqrt(x (1 - x))), x = R / r0, at any scale. */
 static void free_fall_takes_its_time(void **state) {
   (void)state;
-  for (size_t i = 0; i < skf_integrator_count(); i++)
+  for (size_t i = 0; i < adaptive_count(); i++)
     for (int k = -7; k <= 7; k += 7) {
       double L = pow(10, k), T = sqrt(L * L * L), x = 0.3;
       skf_field *field;

@@ -49,6 +49,13 @@ static inline skf_flight *fly(const skf_world *w, skf_flight_options o, skf_stat
   return f;
 }
 
+/* Integrators that choose their steps: the first of the registry. */
+static inline size_t adaptive_count(void) {
+  size_t n = 0;
+  while (n < skf_integrator_count() && skf_integrator_get(n)->adaptive) n++;
+  return n;
+}
+
 /* Steps until t and gives the state there; contacts are counted, and the last one kept if asked for. */
 static inline skf_state state_at(skf_flight *f, double t, size_t *contacts, skf_contact *last) {
   double from, to;
