@@ -242,7 +242,7 @@ static void descend(job *w, skf_branch *b, int k) {
   if ((is & SKF_CELL_KIND) == SKF_CELL_INSIDE) add_box(w, lo, h, 1);
   if ((is & SKF_CELL_KIND) == SKF_CELL_BRANCH)
     for (int n = 0; n < 8; n++) descend(w, skf_cell_branch(is), n);
-  if ((is & SKF_CELL_KIND) != SKF_CELL_LEAF && is) return;
+  if (is && !skf_cell_is_leaf(is)) return;
   cell c = {.lo = {lo[0], lo[1], lo[2]}, .edge = h, .list = b->list, .count = b->count};
   if (is) c.list = skf_cell_leaf(is)->list, c.count = skf_cell_leaf(is)->count;
   pass(w, &c, DEPTH);

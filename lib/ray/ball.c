@@ -76,9 +76,8 @@ skf_ball skf_octree_ball(skf_octree *tree, skf_vec3 center, double radius) {
   } else {
     for (;;) { /* down to the smallest branch that holds it */
       skf_cell c = skf_octree_child(tree, b, k);
-      if ((c & SKF_CELL_KIND) == SKF_CELL_LEAF) {
-        ball.leaf = skf_cell_leaf(c), ball.list = ball.leaf->list, ball.count = ball.leaf->count;
-      }
+      if ((c & SKF_CELL_KIND) == SKF_CELL_LEAF) ball.leaf = skf_cell_leaf(c);
+      if (skf_cell_is_leaf(c)) ball.list = skf_cell_leaf(c)->list, ball.count = skf_cell_leaf(c)->count;
       if ((c & SKF_CELL_KIND) != SKF_CELL_BRANCH) {
         met = in_cell(&q, c, 0);
         break;

@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "core/vec3.h"
 #include "field/some.h"
+#include <float.h>
 #include <omp.h>
 #include <string.h>
 
@@ -10,6 +11,8 @@
 #define FLAT 1.5
 /* or which is this many halvings smaller than the cube. */
 #define LEVELS 14
+/* Or there are but few blobs, none of them with R below the cell's edge divided by this. */
+#define COARSE 1
 /* Rounding of places, relative to a cell's radius, that its bounds allow for. */
 #define SLACK 1e-8
 
@@ -24,6 +27,7 @@ typedef struct block {
 struct skf_octree {
   const skf_field *field;
   const skf_source *sources;
+  const skf_blob *blobs;
   double iso, noise;
   skf_branch *all; /* whose child 0 is the cube */
   block *memory;
@@ -59,33 +63,100 @@ bool skf_octree_add(const skf_octree *t, uint32_t i, skf_vec3 c, double radius, 
   return true;
 }
 
-/* The ball around a cell; *kept are the elements in reach. */
-static skf_outlook look_out(const skf_octree *t, skf_vec3 c, double radius, const skf_branch *in, uint32_t *kept,
-                            uint32_t *keep) {
-  skf_outlook o = {0, 0, 0, 0, 0};
-  *keep = 0;
-  for (size_t i = 0; i < in->count; i++)
-    if (skf_octree_add(t, in->list[i], c, radius, &o)) kept[(*keep)++] = in->list[i];
+/* What is known of F in a cell. */
+typedef struct outlook {
+  skf_outlook of;
+  double least, grain; /* where all are blobs: the least R; see skf_leaf */
+  bool blobs, soft;
+} outlook;
+
+typedef struct cube {
+  skf_vec3 center;
+  double half, radius;
+} cube;
+
+static double square(double x) { return x * x; }
+
+/* Adds a blob to the values, the cheapest part; false when it is out of reach. */
+static bool add_blob(const skf_blob *b, const cube *c, outlook *o) {
+  double x = fabs(c->center.x - b->at.x), y = fabs(c->center.y - b->at.y), z = fabs(c->center.z - b->at.z), h = c->half;
+  double nx = x > h ? x - h : 0, ny = y > h ? y - h : 0, nz = z > h ? z - h : 0;
+  double most = 1 - (nx * nx + ny * ny + nz * nz) * b->per * (1 - 1e-12);
+  if (!(most > 0)) return false;
+  double least = 1 - (square(x + h) + square(y + h) + square(z + h)) * b->per * (1 + 1e-12);
+  o->of.lo += b->strength * skf_blob_law(b, least), o->of.hi += b->strength * skf_blob_law(b, most);
+  o->least = b->R < o->least ? b->R : o->least;
+  o->soft |= b->c3 > 0;
+  return true;
+}
+
+/* Whatever the distance. The rounding, with D the largest distance from the point, is that of m, less than
+   24 eps D^2 / R^2, times its slope and what control points of a quadric can be. */
+static void add_blob_shape(const skf_blob *b, const cube *c, outlook *o) {
+  double s = b->strength, per = 1 / b->R, D = 1 + 2 * c->radius * per;
+  o->of.slope += 1.6 * s * per, o->of.bend += 8 * s * b->per;
+  o->grain += 256 * DBL_EPSILON * s * (1 + D * D);
+}
+
+static outlook look_out(const skf_octree *t, const cube *c, const skf_branch *in, uint32_t *kept, uint32_t *keep) {
+  outlook o = {.least = INFINITY, .blobs = true};
+  uint32_t n = 0;
+  for (size_t i = 0; i < in->count; i++) {
+    uint32_t k = in->list[i];
+    bool blob = t->blobs[k].per > 0;
+    bool taken = blob ? add_blob(t->blobs + k, c, &o) : skf_octree_add(t, k, c->center, c->radius, &o.of);
+    kept[n] = k;
+    n += taken;
+    o.blobs &= blob || !taken;
+  }
+  *keep = n;
   return o;
 }
 
-/* Finds out what the k-th cell of a branch is; a leaf comes without its list. */
+/* The shapes of the blobs, for what the values alone do not decide. */
+static void look_closer(const skf_octree *t, const cube *c, const uint32_t *kept, uint32_t keep, outlook *o) {
+  if (o->blobs) o->of.fourth = INFINITY;
+  for (uint32_t i = 0; i < keep; i++) {
+    const skf_blob *b = t->blobs + kept[i];
+    skf_outlook own = {.lo = 0};
+    if (!(b->per > 0)) continue;
+    if (o->blobs)
+      add_blob_shape(b, c, o);
+    else if (skf_octree_add(t, kept[i], c->center, c->radius, &own))
+      o->of.slope += own.slope, o->of.bend += own.bend, o->of.fourth += own.fourth;
+  }
+}
+
+/* Finds out what the k-th cell of a branch is; a leaf comes without its lists. */
 static int examine(const skf_octree *t, const skf_branch *in, int k, uint32_t *kept, uint32_t *keep, skf_leaf *leaf) {
-  double half = 0.5 * in->half, radius = 0.8660254037844387 * in->half * (1 + SLACK), made_of;
-  leaf->center = v3(in->middle.x + (k & 1 ? half : -half), in->middle.y + (k & 2 ? half : -half),
-                    in->middle.z + (k & 4 ? half : -half));
-  skf_outlook o = look_out(t, leaf->center, radius, in, kept, keep);
-  if (o.hi < t->iso) return SKF_CELL_OUTSIDE;
-  if (o.lo > t->iso) return SKF_CELL_INSIDE;
-  leaf->f = skf_field_some(t->field, kept, *keep, leaf->center, &leaf->g, &made_of) - t->iso;
+  double half = 0.5 * in->half, made_of;
+  cube c = {v3(in->middle.x + (k & 1 ? half : -half), in->middle.y + (k & 2 ? half : -half),
+               in->middle.z + (k & 4 ? half : -half)),
+            half * (1 + SLACK), 1.7320508075688773 * half * (1 + SLACK)};
+  outlook o = look_out(t, &c, in, kept, keep);
+  leaf->center = c.center;
+  if (o.of.hi < t->iso) return SKF_CELL_OUTSIDE;
+  if (o.of.lo > t->iso) return SKF_CELL_INSIDE;
+  bool last = in->level == LEVELS;
+  if (o.blobs && in->half > COARSE * o.least && !last) return SKF_CELL_BRANCH;
+  look_closer(t, &c, kept, *keep, &o);
+  leaf->slope = o.of.slope, leaf->bend = o.of.bend, leaf->fourth = o.of.fourth;
+  leaf->soft = o.soft, leaf->grain = o.grain + 4 * DBL_EPSILON * fabs(t->iso);
+  if (o.blobs && *keep <= SKF_LEAF_BLOBS) return SKF_CELL_BLOBS;
+  leaf->f = skf_field_some(t->field, kept, *keep, c.center, &leaf->g, &made_of) - t->iso;
   double grip = fabs(leaf->g.x) + fabs(leaf->g.y) + fabs(leaf->g.z);
-  double rounding = (2 * t->noise + 1e-16 * *keep) * (made_of + fabs(t->iso)) + SLACK * radius * grip;
-  leaf->flat = 0.5 * o.bend * radius * radius + rounding;
-  leaf->slope = o.slope, leaf->bend = o.bend, leaf->fourth = o.fourth;
-  double change = fmin(half * grip + leaf->flat, o.slope * radius + rounding);
+  double rounding = (2 * t->noise + 1e-16 * *keep) * (made_of + fabs(t->iso)) + SLACK * c.radius * grip;
+  leaf->flat = 0.5 * o.of.bend * c.radius * c.radius + rounding;
+  double change = fmin(half * grip + leaf->flat, o.of.slope * c.radius + rounding);
   if (fabs(leaf->f) > change) return leaf->f < 0 ? SKF_CELL_OUTSIDE : SKF_CELL_INSIDE;
-  bool flat = o.bend * radius <= FLAT * v3_norm(leaf->g);
-  return flat || in->level == LEVELS ? SKF_CELL_LEAF : SKF_CELL_BRANCH;
+  bool flat = o.of.bend * c.radius <= FLAT * v3_norm(leaf->g);
+  return flat || last ? SKF_CELL_LEAF : SKF_CELL_BRANCH;
+}
+
+static const skf_blob *gather(skf_octree *t, const uint32_t *list, uint32_t n) {
+  skf_blob *b = take(t, n * sizeof *b);
+  for (uint32_t i = 0; b && i < n; i++) b[i] = t->blobs[list[i]];
+  return b;
 }
 
 static skf_cell make(skf_octree *t, int kind, const skf_branch *in, const uint32_t *kept, uint32_t keep,
@@ -97,15 +168,16 @@ static skf_cell make(skf_octree *t, int kind, const skf_branch *in, const uint32
     if (!own) return 0;
     list = memcpy(own, kept, keep * sizeof *own);
   }
-  void *what = take(t, kind == SKF_CELL_LEAF ? sizeof(skf_leaf) : sizeof(skf_branch));
+  void *what = take(t, kind == SKF_CELL_BRANCH ? sizeof(skf_branch) : sizeof(skf_leaf));
   if (!what) return 0;
-  if (kind == SKF_CELL_LEAF) {
-    skf_leaf *l = what;
-    *l = *leaf, l->list = list, l->count = keep;
-  } else {
+  if (kind == SKF_CELL_BRANCH) {
     skf_branch *b = what;
     b->middle = leaf->center, b->half = 0.5 * in->half;
     b->list = list, b->count = keep, b->level = in->level + 1;
+  } else {
+    skf_leaf *l = what;
+    *l = *leaf, l->list = list, l->count = keep;
+    if (kind == SKF_CELL_BLOBS && !(l->blobs = gather(t, list, keep))) return 0;
   }
   return (skf_cell)what + (skf_cell)kind;
 }
@@ -133,13 +205,13 @@ int skf_octree_beyond(const skf_octree *t) { return t->iso < 0 ? 1 : -1; }
 
 double skf_octree_least(const skf_octree *t) { return ldexp(t->all->half, -LEVELS); }
 
-skf_status skf_octree_new(const skf_field *field, const skf_source *sources, size_t n, double iso, double noise,
-                          skf_box region, skf_octree **out) {
+skf_status skf_octree_new(const skf_field *field, const skf_source *sources, const skf_blob *blobs, size_t n,
+                          double iso, double noise, skf_box region, skf_octree **out) {
   *out = NULL;
   skf_octree *t = skf_alloc(1, sizeof *t);
   if (!t) return SKF_ERR_NOMEM;
   skf_vec3 d = v3_sub(region.hi, region.lo);
-  t->field = field, t->sources = sources, t->iso = iso, t->noise = noise;
+  t->field = field, t->sources = sources, t->blobs = blobs, t->iso = iso, t->noise = noise;
   double size = fmax(d.x, fmax(d.y, d.z)) * (1 + SLACK);
   omp_init_lock(&t->lock);
   t->all = take(t, sizeof *t->all);

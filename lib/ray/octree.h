@@ -6,31 +6,38 @@
 #ifndef SKF_RAY_OCTREE_H
 #define SKF_RAY_OCTREE_H
 
+#include "ray/blob.h"
 #include "ray/source.h"
 #include <stdatomic.h>
 #include <stdint.h>
 
-/* A cell that the surface may pass. Within its ball, to rounding: |F - iso - f - g . (p - center)| <= flat; |grad F| <=
-   slope, |Hess F| <= bend, |F''''| <= fourth. */
+/* Blobs in a leaf at most. */
+enum { SKF_LEAF_BLOBS = 8 };
+
+/* A cell that the surface may pass. Within it, to rounding: |grad F| <= slope, |Hess F| <= bend, |F''''| <= fourth, and
+   where there are no blobs |F - iso - f - g . (p - center)| <= flat. */
 typedef struct skf_leaf {
   skf_vec3 center, g;
   double f, flat;
   double slope, bend, fourth;
   const uint32_t *list; /* the elements in reach */
   uint32_t count;
+  bool soft;             /* a blob has c3 */
+  const skf_blob *blobs; /* the same elements, or NULL where one of them is none */
+  double grain;          /* by which rounding may change F along a ray, but for the rounding of places */
 } skf_leaf;
 
 typedef struct skf_octree skf_octree;
 
-/* For sources of which none is a plane, the i-th made from the i-th element, whose surface F = iso is inside `region`;
-   all but the region is borrowed. `noise`: relative rounding of F. */
-skf_status skf_octree_new(const skf_field *field, const skf_source *sources, size_t n, double iso, double noise,
-                          skf_box region, skf_octree **out);
+/* For sources of which none is a plane, the i-th source and blob made from the i-th element, whose surface F = iso is
+   inside `region`; all but the region is borrowed. `noise`: relative rounding of F. */
+skf_status skf_octree_new(const skf_field *field, const skf_source *sources, const skf_blob *blobs, size_t n,
+                          double iso, double noise, skf_box region, skf_octree **out);
 void skf_octree_free(skf_octree *tree);
 
 /* A cell is a pointer to a leaf or a branch with its kind in the low bits, or its kind alone; 0: not examined yet, or
    memory was out. */
-enum { SKF_CELL_OUTSIDE = 1, SKF_CELL_INSIDE, SKF_CELL_BRANCH, SKF_CELL_LEAF, SKF_CELL_KIND = 7 };
+enum { SKF_CELL_OUTSIDE = 1, SKF_CELL_INSIDE, SKF_CELL_BRANCH, SKF_CELL_LEAF, SKF_CELL_BLOBS, SKF_CELL_KIND = 7 };
 typedef uintptr_t skf_cell;
 
 typedef struct skf_branch {
@@ -42,7 +49,10 @@ typedef struct skf_branch {
   int level;
 } skf_branch;
 
-static inline const skf_leaf *skf_cell_leaf(skf_cell c) { return (const skf_leaf *)(c - SKF_CELL_LEAF); }
+static inline bool skf_cell_is_leaf(skf_cell c) {
+  return (c & SKF_CELL_KIND) == SKF_CELL_LEAF || (c & SKF_CELL_KIND) == SKF_CELL_BLOBS;
+}
+static inline const skf_leaf *skf_cell_leaf(skf_cell c) { return (const skf_leaf *)(c & ~(skf_cell)SKF_CELL_KIND); }
 static inline skf_branch *skf_cell_branch(skf_cell c) { return (skf_branch *)(c - SKF_CELL_BRANCH); }
 
 /* The branch whose child 0 is the whole cube. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tracers: a field made ready for rays, and the queries. */
+/* Tracers: a field made ready for rays. */
 #include "core/alloc.h"
 #include "core/vec3.h"
 #include "ray/walk.h"
@@ -116,7 +116,9 @@ static skf_status fill(skf_tracer *t) {
   s = find_region(t);
   /* the octree takes sources for elements: none may have been left out */
   if (s || t->reach != SKF_OK || t->linear || t->n != skf_field_size(t->field) || hides_signs(t)) return s;
-  return skf_octree_new(t->field, t->sources, t->n, t->iso, t->noise, t->region, &t->tree);
+  if (!(t->blobs = skf_alloc(t->n, sizeof *t->blobs))) return SKF_ERR_NOMEM;
+  for (size_t i = 0; i < t->n; i++) t->blobs[i] = skf_blob_of(skf_field_element(t->field, i));
+  return skf_octree_new(t->field, t->sources, t->blobs, t->n, t->iso, t->noise, t->region, &t->tree);
 }
 
 skf_status skf_tracer_new(const skf_field *field, double iso, skf_tracer **out) {
@@ -125,7 +127,7 @@ skf_status skf_tracer_new(const skf_field *field, double iso, skf_tracer **out) 
   if (!skf_field_has_bound(field, NULL)) return SKF_ERR_UNSUPPORTED;
   skf_tracer *t = skf_alloc(1, sizeof *t);
   if (!t) return SKF_ERR_NOMEM;
-  t->field = field, t->iso = iso, t->noise = 2 * DBL_EPSILON;
+  t->field = field, t->iso = iso, t->noise = 2 * DBL_EPSILON, t->isa = skf_isa_pick();
   skf_status s = fill(t);
   if (s) return skf_tracer_free(t), s;
   return *out = t, SKF_OK;
@@ -136,149 +138,8 @@ void skf_tracer_free(skf_tracer *t) {
   for (size_t i = 0; i < t->n; i++) skf_source_free(t->sources + i);
   skf_free(t->sources);
   skf_octree_free(t->tree);
+  skf_free(t->blobs);
   skf_field_free(t->plus);
   skf_field_free(t->minus);
   skf_free(t);
-}
-
-/* The part of the ray inside the region. */
-static bool clip(const skf_tracer *t, const skf_walk *w, double *from, double *to) {
-  if (t->reach == SKF_ERR_EMPTY) return false;
-  for (int i = 0; i < 3 && t->reach == SKF_OK; i++) {
-    double o = v3_get(w->origin, i), d = v3_get(w->direction, i);
-    double lo = v3_get(t->region.lo, i) - o, hi = v3_get(t->region.hi, i) - o;
-    if (d == 0) {
-      if (lo > 0 || hi < 0) return false;
-      continue;
-    }
-    double slack = 4 * DBL_EPSILON * fabs(o);
-    double enter = fmin((lo - slack) / d, (hi + slack) / d), leave = fmax((lo - slack) / d, (hi + slack) / d);
-    *from = fmax(*from, enter), *to = fmin(*to, leave);
-  }
-  return *from <= *to;
-}
-
-/* The next place where the ray meets a linear plane; sets the sides up to there. */
-static double next_break(const skf_walk *w, double from, double to, double *side) {
-  for (size_t i = 0; i < w->tracer->linear; i++) {
-    const skf_source *s = w->tracer->sources + i;
-    double z = v3_dot(v3_sub(w->origin, s->a), s->b), dz = skf_source_descent(s, w->direction), t = -z / dz;
-    side[i] = dz == 0 ? (z < 0 ? -1 : 1) : (from < t) == (dz > 0) ? -1 : 1;
-    if (dz != 0 && t > from) to = fmin(to, t);
-  }
-  return to;
-}
-
-/* A length to begin with, where the ray goes on for ever. */
-static double first_stride(const skf_walk *w, double from) {
-  skf_vec3 p = v3_mad(w->origin, from, w->direction);
-  double stride = 0;
-  for (size_t i = 0; i < w->tracer->n; i++) {
-    const skf_source *s = w->tracer->sources + i;
-    bool plane = s->element.primitive.shape == SKF_PLANE;
-    stride = fmax(stride, plane ? skf_source_distance(s, p) : v3_dist(p, s->middle) + s->reach);
-    stride = fmax(stride, skf_kernel_width(s->element.kernel));
-  }
-  return stride > 0 ? stride : 1;
-}
-
-/* Whether places on the ray are known well enough for the octree's cells. */
-static bool fits(const skf_walk *w, double to) {
-  if (!w->tracer->tree) return false;
-  skf_vec3 o = w->origin, p = v3_mad(o, to, w->direction);
-  double size = fmax(fmax(fabs(o.x), fmax(fabs(o.y), fabs(o.z))), fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))));
-  return 16 * DBL_EPSILON * size < 1e-8 * skf_octree_least(w->tracer->tree);
-}
-
-static void follow(skf_walk *w, double from, double to, double *side, skf_crossing_fn *found, void *user) {
-  skf_knot a = {.t = from};
-  double stride = isinf(to) ? first_stride(w, from) : 0;
-  w->side = side;
-  if (fits(w, to)) {
-    skf_walk_octree(w, from, to, found, user);
-    return;
-  }
-  while (a.t < to) {
-    double end = next_break(w, a.t, to, side);
-    if (isinf(end)) {
-      if (skf_walk_tail_clear(w, a.t)) return;
-      end = a.t + stride;
-      stride *= 2;
-      if (stride > 1e150) {
-        w->report.grazing++; /* undecided at infinity */
-        return;
-      }
-    }
-    if (w->tracer->linear) a.known = false; /* its slope belongs to the last piece */
-    if (!skf_walk_piece(w, &a, end, found, user)) return;
-  }
-}
-
-static skf_status query(const skf_tracer *t, const skf_ray *ray, skf_crossing_fn *found, void *user,
-                        skf_ray_report *report) {
-  enum { FEW = 32 };
-  double few[FEW], *side = few, from = ray->t_min, to = ray->t_max;
-  skf_walk w = {.tracer = t, .origin = ray->origin, .direction = v3_unit(ray->direction)};
-  bool valid = v3_finite(w.origin) && v3_finite(ray->direction) && v3_norm2(w.direction) > 0;
-  if (!valid || !isfinite(from) || isnan(to)) return SKF_ERR_ARG;
-  if (from <= to && clip(t, &w, &from, &to)) {
-    if (t->linear > FEW && !(side = skf_alloc(t->linear, sizeof *side))) return SKF_ERR_NOMEM;
-    follow(&w, from, to, side, found, user);
-    if (side != few) skf_free(side);
-  }
-  if (report) {
-    report->cells += w.report.cells, report->subdivisions += w.report.subdivisions;
-    report->evaluations += w.report.evaluations, report->grazing += w.report.grazing;
-  }
-  return SKF_OK;
-}
-
-static skf_hit hit_at(skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
-  skf_knot k = skf_walk_polish(w, a, b, guess);
-  return (skf_hit){k.t, k.at, v3_unit(v3_sub(v3(0, 0, 0), k.gradient)), b->f > a->f};
-}
-
-typedef struct collector {
-  size_t capacity, count;
-  skf_hit *hits;
-} collector;
-
-static bool collect(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
-  collector *c = user;
-  if (c->count < c->capacity) c->hits[c->count] = hit_at(w, a, b, guess);
-  c->count++;
-  return true;
-}
-
-skf_status skf_tracer_all(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_hit *hits, size_t *count,
-                          skf_ray_report *report) {
-  collector c = {capacity, 0, hits};
-  skf_status s = query(tracer, ray, collect, &c, report);
-  *count = c.count;
-  return s;
-}
-
-static bool take_first(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
-  collector *c = user;
-  c->hits[c->count++] = hit_at(w, a, b, guess);
-  return false;
-}
-
-skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray, skf_hit *hit, bool *found,
-                            skf_ray_report *report) {
-  collector c = {1, 0, hit};
-  skf_status s = query(tracer, ray, take_first, &c, report);
-  *found = c.count > 0;
-  return s;
-}
-
-static bool stop(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
-  (void)w, (void)a, (void)b, (void)guess;
-  *(bool *)user = true;
-  return false;
-}
-
-skf_status skf_tracer_occluded(const skf_tracer *tracer, const skf_ray *ray, bool *occluded, skf_ray_report *report) {
-  *occluded = false;
-  return query(tracer, ray, stop, occluded, report);
 }

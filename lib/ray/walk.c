@@ -29,7 +29,10 @@ void skf_walk_look(skf_walk *w, double t, skf_knot *k) {
   const skf_tracer *tr = w->tracer;
   skf_vec3 p = v3_mad(w->origin, t, w->direction), g;
   double F, size, noise = 2 * tr->noise;
-  if (w->leaf && w->leaf->count < tr->n) {
+  if (w->leaf && w->leaf->blobs) {
+    F = skf_blob_sum(w->leaf->blobs, w->leaf->count, p, &g, &size);
+    noise = 16 * DBL_EPSILON;
+  } else if (w->leaf && w->leaf->count < tr->n) {
     F = skf_field_some(tr->field, w->leaf->list, w->leaf->count, p, &g, &size);
     noise += 0.5 * DBL_EPSILON * w->leaf->count;
   } else if (!tr->plus) {
@@ -181,12 +184,13 @@ skf_knot skf_walk_polish(skf_walk *w, const skf_knot *a, const skf_knot *b, doub
     if (fabs(k.f) <= 2 * DBL_EPSILON * k.size) break;
     *((k.f > 0) == (hi.f > 0) ? &hi : &lo) = k;
     double newton = k.f / k.slope, next = inverse_step(&old, &k);
-    if (fabs(newton) < 0.25 * grain) break; /* the coordinates cannot tell more */
+    if (fabs(newton) <= 4 * grain) break; /* below */
     if (!(next > lo.t && next < hi.t) || fabs(next - k.t) > 2 * fabs(newton)) next = k.t - newton;
     if (i > 12 && i % 3 == 0) next = NAN; /* slow: rounding, or a flat root */
     old = k;
     x = next;
   }
+  if (!best.known) skf_walk_look(w, best.t, &best);
   /* what is left is rounding; a last step costs nothing and centres it */
   double step = best.f / best.slope;
   if (fabs(step) <= 4 * grain && best.t - step >= a->t && best.t - step <= b->t) {

@@ -4,6 +4,7 @@
 #define SKF_RAY_WALK_H
 
 #include "ray/octree.h"
+#include "simd/isa.h"
 #include "skelfield/ray.h"
 
 struct skf_tracer {
@@ -15,8 +16,10 @@ struct skf_tracer {
   skf_source *sources;
   skf_status reach; /* SKF_OK: surface inside `region`; SKF_ERR_EMPTY: none; SKF_ERR_UNBOUNDED */
   skf_box region;
+  skf_blob *blobs;  /* of the sources; see skf_octree_new */
   skf_octree *tree; /* of the region, or NULL */
-  double noise;     /* relative rounding error of F against the sum of the elements' magnitudes */
+  skf_isa isa;
+  double noise; /* relative rounding error of F against the sum of the elements' magnitudes */
 };
 
 /* The field at one place of the ray. */
@@ -42,9 +45,6 @@ typedef bool skf_crossing_fn(void *user, skf_walk *w, const skf_knot *a, const s
 
 /* All crossings in (a.t, b] in order; *a becomes the knot at b. Returns false when `found` asked to stop. */
 bool skf_walk_piece(skf_walk *w, skf_knot *a, double b, skf_crossing_fn *found, void *user);
-
-/* All crossings in [from, to], through the octree. Returns false when `found` asked to stop. */
-bool skf_walk_octree(skf_walk *w, double from, double to, skf_crossing_fn *found, void *user);
 
 void skf_walk_look(skf_walk *w, double t, skf_knot *out);
 

@@ -62,6 +62,14 @@ SKF_API skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray
 SKF_API skf_status skf_tracer_occluded(const skf_tracer *tracer, const skf_ray *ray, bool *occluded,
                                        skf_ray_report *report);
 
+/* The same for n rays, bit for bit, on all threads and several rays at once: quickest where rays that follow each other
+   are neighbours that go the same way, as those of a row of pixels. hits[i] is set where found[i]. What is wrong with
+   one ray is returned, and nothing is found on it; the others are answered. */
+SKF_API skf_status skf_tracer_first_many(const skf_tracer *tracer, size_t n, const skf_ray *rays, skf_hit *hits,
+                                         bool *found, skf_ray_report *report);
+SKF_API skf_status skf_tracer_occluded_many(const skf_tracer *tracer, size_t n, const skf_ray *rays, bool *occluded,
+                                            skf_ray_report *report);
+
 #ifdef __cplusplus
 }
 #endif

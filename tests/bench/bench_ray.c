@@ -1,60 +1,67 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays a second, one thread: first hits and all hits of random rays. It only reports. */
-#include "random.h"
-#include "skelfield/ray.h"
-#include <omp.h>
+/* Rays of a camera on bodies of many elements. It only reports. */
+#include "scenes.h"
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
 
-enum { RUNS = 3 };
+enum { RUNS = 5, ROOM = 8000 };
 
-static void report(const char *name, const skf_element *e, size_t n, double iso, int rays) {
-  skf_field *f;
-  skf_tracer *t;
-  if (skf_field_new(e, n, &f) || skf_tracer_new(f, iso, &t)) return;
-  double best[2] = {INFINITY, INFINITY};
-  size_t hits = 0;
-  skf_ray_report cost = {0};
-  for (int run = 0; run < 2 * RUNS; run++) {
-    uint64_t state = 1;
-    double start = omp_get_wtime();
-    for (int i = 0; i < rays; i++) {
-      skf_ray r = {v3_scale(6, rnd_unit(&state)), {0, 0, 0}, 0, INFINITY};
-      r.direction = v3_sub(rnd_vec(&state, 1.2), r.origin);
-      skf_hit h[16];
-      size_t count;
-      bool found;
-      if (run & 1)
-        skf_tracer_all(t, &r, 16, h, &count, NULL);
-      else
-        skf_tracer_first(t, &r, h, &found, run ? NULL : &cost), hits += run == 0 && found;
-    }
-    best[run & 1] = fmin(best[run & 1], omp_get_wtime() - start);
-  }
-  printf("%-22s first %9.0f rays/s, all %9.0f rays/s; %2.0f %% hit, %.1f cells and %.1f evaluations a ray\n", name,
-         rays / best[0], rays / best[1], 100.0 * (double)hits / rays, (double)cost.cells / rays,
-         (double)cost.evaluations / rays);
-  skf_tracer_free(t);
-  skf_field_free(f);
+static double cpu(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-int main(void) {
-  skf_element torus = {.primitive = {.shape = SKF_ARC, .arc = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1, 2 * SKF_PI}},
-                       .kernel = {SKF_INVERSE, 0},
-                       .strength = 1};
-  report("inverse torus", &torus, 1, 7.38278, 40000);
-  torus.kernel = (skf_kernel){SKF_CAUCHY, 3};
-  report("cauchy torus", &torus, 1, 0.3, 40000);
-  enum { MANY = 100 };
-  skf_element e[MANY];
-  uint64_t state = 9;
-  for (int i = 0; i < MANY; i++) {
-    skf_vec3 a = rnd_vec(&state, 1.2);
-    e[i] = (skf_element){.primitive = {.shape = SKF_SEGMENT, .segment = {a, v3_add(a, rnd_vec(&state, 0.4))}},
-                         .kernel = {SKF_CAUCHY, 8},
-                         .strength = 1};
+static void frame(const skf_tracer *t, const skf_ray *rays, size_t n, skf_hit *hits, bool *found, skf_ray_report *r) {
+  if (getenv("ONE"))
+    for (size_t i = 0; i < n; i++) skf_tracer_first(t, rays + i, hits + i, found + i, r);
+  else
+    skf_tracer_first_many(t, n, rays, hits, found, r);
+}
+
+static void report(const bench_scene *s, int size) {
+  size_t n = (size_t)size * (size_t)size, hit = 0;
+  skf_ray *rays = malloc(n * sizeof *rays);
+  skf_hit *hits = malloc(n * sizeof *hits);
+  bool *found = malloc(n);
+  skf_field *f = NULL;
+  skf_tracer *t = NULL;
+  if (!rays || !hits || !found || skf_field_new(s->elements, s->count, &f)) exit(1);
+  for (int y = 0; y < size; y++)
+    for (int x = 0; x < size; x++) rays[y * size + x] = bench_ray(s, size, x, y);
+  double make = cpu(), cold = INFINITY, warm = INFINITY;
+  if (skf_tracer_new(f, s->iso, &t)) exit(1);
+  make = cpu() - make;
+  skf_ray_report cost;
+  for (int run = 0; run < RUNS; run++) {
+    memset(&cost, 0, sizeof cost);
+    double start = cpu();
+    frame(t, rays, n, hits, found, &cost);
+    double took = cpu() - start;
+    if (run == 0)
+      cold = took;
+    else if (took < warm)
+      warm = took;
   }
-  report("100 cauchy segments", e, MANY, 0.25, 2000);
-  for (int i = 0; i < MANY; i++) e[i].kernel = (skf_kernel){SKF_QUARTIC, 0.3};
-  report("100 quartic segments", e, MANY, 0.1, 2000);
+  for (size_t i = 0; i < n; i++) hit += found[i];
+  double per = 1 / (double)n;
+  printf("%-10s %5zu elements, %4.1f %% hit; made in %5.1f ms, first frame %6.0f ns/ray, then %6.0f ns/ray; "
+         "%.2f cells, %.2f evaluations a ray, %zu grazing\n",
+         s->name, s->count, 100 * per * (double)hit, 1e3 * make, 1e9 * per * cold, 1e9 * per * warm,
+         per * (double)cost.cells, per * (double)cost.evaluations, cost.grazing);
+  skf_tracer_free(t);
+  skf_field_free(f);
+  free(rays), free(hits), free(found);
+}
+
+int main(int argc, char **argv) {
+  static skf_element room[ROOM];
+  for (int k = 0; k < BENCH_SCENES; k++) {
+    bench_scene s = bench_scene_make(k, room, ROOM);
+    if (argc > 2 && strcmp(argv[2], s.name)) continue;
+    report(&s, argc > 1 ? atoi(argv[1]) : 512);
+  }
   return 0;
 }

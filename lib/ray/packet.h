@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT */
+/* Several rays side by side through the octree. What a ray meets does not depend on its neighbours, not in a bit. */
+#ifndef SKF_RAY_PACKET_H
+#define SKF_RAY_PACKET_H
+
+#include "ray/walk.h"
+#include "simd/isa.h"
+
+enum { SKF_PACKET = 8 };
+
+/* Rays whose directions have the same signs. Lanes that are not `alive` are finished or were never there. */
+typedef struct skf_packet {
+  const skf_tracer *tracer;
+  double o[3][SKF_PACKET], d[3][SKF_PACKET], per[3][SKF_PACKET]; /* origins, unit directions, 1 / directions */
+  double from[SKF_PACKET], to[SKF_PACKET];
+  double shift[SKF_PACKET];     /* by which rounding may move places */
+  unsigned alive, below, above; /* below, above: the sign of f just before the current cell, where it is known */
+  int backwards;                /* a bit for each negative coordinate of the directions */
+  int vectors;                  /* of four lanes that are in use */
+  skf_walk walk[SKF_PACKET];
+  skf_knot knot[SKF_PACKET]; /* at the end of the last leaf without blobs */
+  bool first;                /* crossings beyond a lane's first are of no interest */
+  skf_crossing_fn *found;
+  void *user[SKF_PACKET];
+  size_t cells;
+} skf_packet;
+
+typedef void skf_packet_fn(skf_packet *p);
+
+/* All lanes that are alive, through the whole octree. */
+skf_packet_fn skf_packet_scalar, skf_packet_avx2;
+
+skf_packet_fn *skf_packet_get(skf_isa isa);
+
+/* One lane through [a, b] of a leaf (or of a cell that is not known, NULL) by the walk; updates its sign. */
+void skf_packet_walk(skf_packet *p, int lane, const skf_leaf *leaf, double a, double b);
+
+/* One lane through [a, b] of a leaf of blobs. */
+void skf_packet_blobs(skf_packet *p, int lane, const skf_leaf *leaf, double a, double b);
+
+#endif

@@ -1,0 +1,4 @@
+/* SPDX-License-Identifier: MIT */
+#include "ray/packet_loop.h"
+
+void skf_packet_avx2(skf_packet *p) { through(p); }

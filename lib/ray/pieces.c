@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: MIT */
+/* A ray through a leaf of blobs. Between the places where it enters and leaves their supports, F - iso is a polynomial
+   of degree 4, with soft objects 6. By Bernstein coefficients it has no root where they have one sign, and exactly one
+   where their sign changes once; else it is halved. What rounding leaves open is left to the walk. */
+#include "ray/packet.h"
+#include <float.h>
+
+enum { BREAKS = 2 * SKF_LEAF_BLOBS + 2, DEGREE = 6, HALVINGS = 24, ROOTS = 64 };
+
+/* m = m0 + u (m1 - per u) at u behind the start, from `from` to `to`, where it is not negative. */
+typedef struct arch {
+  double m0, m1, per, from, to;
+  const skf_blob *blob;
+} arch;
+
+typedef struct pieces {
+  int n, breaks, degree;
+  double iso, noise;
+  arch arch[SKF_LEAF_BLOBS];
+  double at[BREAKS];
+} pieces;
+
+/* A place where f changes its sign once, with f at its ends. */
+typedef struct bracket {
+  double a, b, fa, fb, guess;
+} bracket;
+
+static void insert(pieces *p, double u) {
+  int i = p->breaks++;
+  for (; i > 0 && p->at[i - 1] > u; i--) p->at[i] = p->at[i - 1];
+  p->at[i] = u;
+}
+
+static void cut(pieces *p, const skf_leaf *leaf, skf_vec3 start, skf_vec3 d, double L) {
+  p->at[0] = 0, p->at[1] = L, p->breaks = 2;
+  for (uint32_t i = 0; i < leaf->count; i++) {
+    const skf_blob *b = leaf->blobs + i;
+    skf_vec3 v = v3_sub(start, b->at);
+    double c = v3_dot(v, d), w = v3_norm2(v), q = b->R * b->R - w, D = c * c + q;
+    if (!(D > 0)) continue;
+    double s = sqrt(D), from = -c - s, to = s - c;
+    if (!(from < L && to > 0)) continue;
+    from = from > 0 ? from : 0, to = to < L ? to : L;
+    if (!(from < to)) continue;
+    if (from > 0) insert(p, from);
+    if (to < L) insert(p, to);
+    p->arch[p->n++] = (arch){1 - w * b->per, -2 * c * b->per, b->per, from, to, b};
+  }
+}
+
+/* c of f on [a, b] */
+static void expand(const pieces *p, double a, double b, double c[DEGREE + 1]) {
+  double L = b - a;
+  int n = p->degree;
+  for (int k = 0; k <= n; k++) c[k] = -p->iso;
+  for (int i = 0; i < p->n; i++) {
+    const arch *r = p->arch + i;
+    if (r->from > a || r->to < b) continue;
+    double q0 = r->m0 + a * (r->m1 - r->per * a), q2 = r->m0 + b * (r->m1 - r->per * b), s = r->blob->strength;
+    double q1 = q0 + 0.5 * L * (r->m1 - 2 * r->per * a);
+    q0 = q0 > 0 ? q0 : 0, q2 = q2 > 0 ? q2 : 0;
+    double m[5] = {q0 * q0, q0 * q1, (q0 * q2 + 2 * q1 * q1) / 3, q1 * q2, q2 * q2};
+    if (n == 4) {
+      for (int k = 0; k < 5; k++) c[k] += s * m[k];
+      continue;
+    }
+    double h0 = r->blob->c2 + r->blob->c3 * q0, h1 = r->blob->c2 + r->blob->c3 * q1,
+           h2 = r->blob->c2 + r->blob->c3 * q2;
+    c[0] += s * m[0] * h0;
+    c[1] += s * (2 * m[1] * h0 + m[0] * h1) / 3;
+    c[2] += s * (6 * m[2] * h0 + 8 * m[1] * h1 + m[0] * h2) / 15;
+    c[3] += s * (m[3] * h0 + 3 * m[2] * h1 + m[1] * h2) / 5;
+    c[4] += s * (m[4] * h0 + 8 * m[3] * h1 + 6 * m[2] * h2) / 15;
+    c[5] += s * (m[4] * h1 + 2 * m[3] * h2) / 3;
+    c[6] += s * m[4] * h2;
+  }
+}
+
+/* De Casteljau: c becomes the left half, r the right one; returns the value between. */
+static double halve(int n, double c[DEGREE + 1], double r[DEGREE + 1]) {
+  for (int k = 0; k <= n; k++) r[k] = c[k];
+  for (int k = 1; k <= n; k++) {
+    for (int i = 0; i <= n - k; i++) r[i] = 0.5 * (r[i] + r[i + 1]);
+    c[k] = r[0];
+  }
+  return c[n];
+}
+
+/* and the slope */
+static double value(int n, const double *c, double x, double *slope) {
+  double d[DEGREE + 1], y = 1 - x;
+  for (int k = 0; k <= n; k++) d[k] = c[k];
+  for (int m = n; m > 1; m--)
+    for (int i = 0; i < m; i++) d[i] = y * d[i] + x * d[i + 1];
+  *slope = n * (d[1] - d[0]);
+  return y * d[0] + x * d[1];
+}
+
+/* The root in (0, 1) of what has one. */
+static double root(int n, const double *c) {
+  double lo = 0, hi = 1, x = c[0] / (c[0] - c[n]), slope;
+  for (int i = 0; i < 60; i++) {
+    double f = value(n, c, x, &slope), next = x - f / slope;
+    if (f == 0) return x;
+    *((f > 0) == (c[n] > 0) ? &hi : &lo) = x;
+    if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
+    if (fabs(next - x) < 1e-7) return next;
+    x = next;
+  }
+  return x;
+}
+
+typedef enum verdict { CLEAR, CROSSING, OPEN } verdict;
+
+/* `fresh`: f at the start may be 0, from where the ray comes. */
+static verdict judge(int n, const double *c, double noise, bool fresh) {
+  int changes = 0, last = 0;
+  bool sure = true;
+  for (int k = 0; k <= n; k++) {
+    int sign = c[k] > noise ? 1 : c[k] < -noise ? -1 : 0;
+    if (!sign) {
+      sure = false;
+      continue;
+    }
+    changes += last * sign < 0;
+    last = sign;
+  }
+  if (sure && changes < 2) return changes ? CROSSING : CLEAR;
+  if (fabs(c[0]) > noise || !fresh) return OPEN;
+  for (int k = 0; k < n; k++) /* leaves its root and does not come back */
+    if (!((c[k + 1] - c[k]) * (c[n] > 0 ? 1 : -1) > 2 * noise)) return OPEN;
+  return CLEAR;
+}
+
+/* Adds the roots on [a, b] to the list, in order; false: they cannot be told. With `first` one is enough. */
+static bool isolate(const pieces *p, double a, double b, bool fresh, bool first, bracket *roots, int *count,
+                    int *last) {
+  double stack[HALVINGS + 1][DEGREE + 1], from = a;
+  int n = p->degree, depth = 0;
+  double ends[HALVINGS + 1] = {b};
+  expand(p, a, b, stack[0]);
+  if (fabs(stack[0][n]) <= p->noise || (fabs(stack[0][0]) <= p->noise && !fresh)) return false;
+  while (depth >= 0) {
+    double *c = stack[depth], to = ends[depth];
+    verdict v = judge(n, c, p->noise, fresh);
+    if (v == OPEN) {
+      if (depth == HALVINGS) return false;
+      double right[DEGREE + 1], middle = 0.5 * (from + to);
+      if (fabs(halve(n, c, right)) <= p->noise) return false;
+      for (int k = 0; k <= n; k++) stack[depth + 1][k] = c[k], c[k] = right[k];
+      ends[++depth] = middle;
+      continue;
+    }
+    if (v == CROSSING) {
+      if (*count == ROOTS) return false;
+      roots[(*count)++] = (bracket){from, to, c[0], c[n], from + (to - from) * root(n, c)};
+      if (first) return true;
+    }
+    *last = c[n] > 0 ? 1 : -1;
+    from = to, fresh = false;
+    depth--;
+  }
+  return true;
+}
+
+static void emit(skf_packet *p, int lane, const skf_leaf *leaf, double start, const bracket *r) {
+  skf_walk *w = p->walk + lane;
+  skf_knot a = {.t = start + r->a, .f = r->fa}, b = {.t = start + r->b, .f = r->fb};
+  w->leaf = leaf;
+  if (!p->found(p->user[lane], w, &a, &b, start + r->guess)) p->alive &= ~(1u << lane);
+  w->leaf = NULL;
+}
+
+void skf_packet_blobs(skf_packet *p, int lane, const skf_leaf *leaf, double a, double b) {
+  pieces q = {.n = 0};
+  bracket roots[ROOTS];
+  unsigned bit = 1u << lane;
+  int count = 0, last = 0;
+  q.degree = leaf->soft ? 6 : 4, q.iso = p->tracer->iso;
+  q.noise = leaf->grain + leaf->slope * p->shift[lane];
+  bool fresh = !((p->below | p->above) & bit), decided = true;
+  cut(&q, leaf, v3_mad(p->walk[lane].origin, a, p->walk[lane].direction), p->walk[lane].direction, b - a);
+  for (int i = 0; i + 1 < q.breaks && decided && !(p->first && count); i++) {
+    if (!(q.at[i] < q.at[i + 1])) continue;
+    decided = isolate(&q, q.at[i], q.at[i + 1], fresh, p->first, roots, &count, &last);
+    fresh = false;
+  }
+  if (!decided) {
+    skf_packet_walk(p, lane, leaf, a, b);
+    return;
+  }
+  for (int i = 0; i < count && p->alive & bit; i++) emit(p, lane, leaf, a, roots + i);
+  p->below = last < 0 ? p->below | bit : p->below & ~bit;
+  p->above = last > 0 ? p->above | bit : p->above & ~bit;
+}

@@ -1,0 +1,306 @@
+/* SPDX-License-Identifier: MIT */
+/* Queries: rays made ready, those that can go through the octree side by side, what is met handed out. */
+#include "core/alloc.h"
+#include "core/vec3.h"
+#include "ray/packet.h"
+#include <float.h>
+
+static double larger(double a, double b) { return a > b ? a : b; }
+static double smaller(double a, double b) { return a < b ? a : b; }
+
+static double largest(skf_vec3 a) { return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z))); }
+
+/* The part of the ray inside the region. */
+static bool clip(const skf_tracer *t, const skf_walk *w, double *from, double *to) {
+  if (t->reach == SKF_ERR_EMPTY) return false;
+  for (int i = 0; i < 3 && t->reach == SKF_OK; i++) {
+    double o = v3_get(w->origin, i), d = v3_get(w->direction, i);
+    double lo = v3_get(t->region.lo, i) - o, hi = v3_get(t->region.hi, i) - o;
+    if (d == 0) {
+      if (lo > 0 || hi < 0) return false;
+      continue;
+    }
+    double slack = 4 * DBL_EPSILON * fabs(o), per = 1 / d, enter = (lo - slack) * per, leave = (hi + slack) * per;
+    *from = larger(*from, smaller(enter, leave)), *to = smaller(*to, larger(enter, leave));
+  }
+  return *from <= *to;
+}
+
+/* The next place where the ray meets a linear plane; sets the sides up to there. */
+static double next_break(const skf_walk *w, double from, double to, double *side) {
+  for (size_t i = 0; i < w->tracer->linear; i++) {
+    const skf_source *s = w->tracer->sources + i;
+    double z = v3_dot(v3_sub(w->origin, s->a), s->b), dz = skf_source_descent(s, w->direction), t = -z / dz;
+    side[i] = dz == 0 ? (z < 0 ? -1 : 1) : (from < t) == (dz > 0) ? -1 : 1;
+    if (dz != 0 && t > from) to = fmin(to, t);
+  }
+  return to;
+}
+
+/* A length to begin with, where the ray goes on for ever. */
+static double first_stride(const skf_walk *w, double from) {
+  skf_vec3 p = v3_mad(w->origin, from, w->direction);
+  double stride = 0;
+  for (size_t i = 0; i < w->tracer->n; i++) {
+    const skf_source *s = w->tracer->sources + i;
+    bool plane = s->element.primitive.shape == SKF_PLANE;
+    stride = fmax(stride, plane ? skf_source_distance(s, p) : v3_dist(p, s->middle) + s->reach);
+    stride = fmax(stride, skf_kernel_width(s->element.kernel));
+  }
+  return stride > 0 ? stride : 1;
+}
+
+/* Whether places on the ray are known well enough for the octree's cells; *shift: by what rounding moves them. */
+static bool fits(const skf_walk *w, double to, double *shift) {
+  if (!w->tracer->tree) return false;
+  double size = largest(w->origin) + largest(v3_mad(w->origin, to, w->direction));
+  *shift = 8 * DBL_EPSILON * size;
+  return 2 * *shift < 1e-8 * skf_octree_least(w->tracer->tree);
+}
+
+static void follow(skf_walk *w, double from, double to, double *side, skf_crossing_fn *found, void *user) {
+  skf_knot a = {.t = from};
+  double stride = isinf(to) ? first_stride(w, from) : 0;
+  w->side = side;
+  while (a.t < to) {
+    double end = next_break(w, a.t, to, side);
+    if (isinf(end)) {
+      if (skf_walk_tail_clear(w, a.t)) return;
+      end = a.t + stride;
+      stride *= 2;
+      if (stride > 1e150) {
+        w->report.grazing++; /* undecided at infinity */
+        return;
+      }
+    }
+    if (w->tracer->linear) a.known = false; /* its slope belongs to the last piece */
+    if (!skf_walk_piece(w, &a, end, found, user)) return;
+  }
+}
+
+/* A ray that the octree cannot take. */
+static skf_status alone(skf_walk *w, double from, double to, skf_crossing_fn *found, void *user) {
+  enum { FEW = 32 };
+  double few[FEW], *side = few;
+  size_t n = w->tracer->linear;
+  if (n > FEW && !(side = skf_alloc(n, sizeof *side))) return SKF_ERR_NOMEM;
+  follow(w, from, to, side, found, user);
+  if (side != few) skf_free(side);
+  return SKF_OK;
+}
+
+/* One question: rays, what to do with their crossings, how much it cost. */
+typedef struct question {
+  const skf_tracer *tracer;
+  skf_crossing_fn *found;
+  bool first;
+  skf_ray_report report;
+} question;
+
+static void add_report(skf_ray_report *sum, const skf_ray_report *r) {
+  sum->cells += r->cells, sum->subdivisions += r->subdivisions;
+  sum->evaluations += r->evaluations, sum->grazing += r->grazing;
+}
+
+/* A ray that the octree takes. */
+typedef struct candidate {
+  skf_vec3 origin, direction;
+  double from, to, shift;
+  int backwards;
+  void *user;
+} candidate;
+
+/* Answers what needs no octree; *left tells that it does. */
+static skf_status begin(question *q, const skf_ray *ray, void *user, candidate *c, bool *left, int *last) {
+  skf_walk w = {.tracer = q->tracer, .origin = ray->origin, .direction = v3_unit(ray->direction)};
+  double from = ray->t_min, to = ray->t_max;
+  bool valid = v3_finite(w.origin) && v3_finite(ray->direction) && v3_norm2(w.direction) > 0;
+  *left = false, *last = q->tracer->iso < 0 ? 1 : -1; /* what is outside of the region */
+  if (!valid || !isfinite(from) || isnan(to)) return SKF_ERR_ARG;
+  if (from > to || !clip(q->tracer, &w, &from, &to)) return SKF_OK;
+  *left = fits(&w, to, &c->shift);
+  if (*left) {
+    skf_vec3 d = w.direction;
+    c->origin = w.origin, c->direction = d, c->from = from, c->to = to, c->user = user;
+    c->backwards = (d.x < 0) | (d.y < 0) << 1 | (d.z < 0) << 2;
+    return SKF_OK;
+  }
+  skf_status s = alone(&w, from, to, q->found, user);
+  add_report(&q->report, &w.report);
+  *last = w.last;
+  return s;
+}
+
+static void board(skf_packet *p, int lane, const candidate *c) {
+  for (int i = 0; i < 3; i++) {
+    double d = v3_get(c->direction, i);
+    p->o[i][lane] = v3_get(c->origin, i), p->d[i][lane] = d;
+    p->per[i][lane] = fabs(d) > 1e-300 ? 1 / d : d < 0 ? -1e300 : 1e300; /* a middle is before it or behind it */
+  }
+  p->from[lane] = c->from, p->to[lane] = c->to, p->shift[lane] = c->shift;
+  p->walk[lane] = (skf_walk){.tracer = p->tracer, .origin = c->origin, .direction = c->direction};
+  p->knot[lane].known = false;
+  p->user[lane] = c->user;
+}
+
+/* Those of n candidates that go the same way as the first, together; returns a bit for each. *last: the sign of the
+   last one's field at its end. */
+static unsigned travel(question *q, const candidate *c, unsigned left, int *last) {
+  skf_packet p = {.tracer = q->tracer, .first = q->first, .found = q->found};
+  unsigned taken = 0;
+  int lanes = 0, lane = __builtin_ctz(left);
+  p.backwards = c[lane].backwards;
+  for (; left; left &= left - 1) {
+    lane = __builtin_ctz(left);
+    if (c[lane].backwards == p.backwards) board(&p, lanes++, c + lane), taken |= 1u << lane;
+  }
+  p.alive = (1u << lanes) - 1, p.vectors = lanes > 4 ? 2 : 1;
+  for (int i = lanes; i < 4 * p.vectors; i++) p.from[i] = 1, p.to[i] = 0;
+  skf_packet_get(q->tracer->isa)(&p);
+  for (int i = 0; i < lanes; i++) add_report(&q->report, &p.walk[i].report);
+  q->report.cells += p.cells;
+  *last = p.above >> (lanes - 1) & 1 ? 1 : p.below >> (lanes - 1) & 1 ? -1 : 0;
+  return taken;
+}
+
+static skf_status ask(question *q, const skf_ray *ray, void *user, int *last) {
+  candidate c;
+  bool left;
+  skf_status s = begin(q, ray, user, &c, &left, last);
+  if (left) travel(q, &c, 1, last);
+  return s;
+}
+
+/* user + i * size: of ray i */
+static skf_status ask_many(question *q, size_t n, const skf_ray *rays, void *user, size_t size) {
+  skf_status status = SKF_OK;
+  for (size_t i = 0; i < n; i += SKF_PACKET) {
+    candidate c[SKF_PACKET];
+    unsigned left = 0;
+    int last;
+    for (size_t k = 0; k < SKF_PACKET && i + k < n; k++) {
+      bool on;
+      skf_status s = begin(q, rays + i + k, (char *)user + (i + k) * size, c + k, &on, &last);
+      if (s) status = s;
+      left |= (unsigned)on << k;
+    }
+    while (left) left &= ~travel(q, c, left, &last);
+  }
+  return status;
+}
+
+static skf_status end(const question *q, skf_status s, skf_ray_report *report) {
+  if (report) add_report(report, &q->report);
+  return s;
+}
+
+static skf_hit hit_at(skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
+  skf_knot k = skf_walk_polish(w, a, b, guess);
+  return (skf_hit){k.t, k.at, v3_unit(v3_sub(v3(0, 0, 0), k.gradient)), b->f > a->f};
+}
+
+typedef struct collector {
+  size_t capacity, count;
+  skf_hit *hits;
+} collector;
+
+static bool collect(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
+  collector *c = user;
+  if (c->count < c->capacity) c->hits[c->count] = hit_at(w, a, b, guess);
+  c->count++;
+  return true;
+}
+
+skf_status skf_tracer_all(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_hit *hits, size_t *count,
+                          skf_ray_report *report) {
+  collector c = {capacity, 0, hits};
+  question q = {.tracer = tracer, .found = collect};
+  int last;
+  skf_status s = ask(&q, ray, &c, &last);
+  *count = c.count;
+  return end(&q, s, report);
+}
+
+/* A ray's answer: to first hits and to occlusion */
+typedef struct answer {
+  skf_hit hit;
+  bool found;
+} answer;
+
+static bool take_first(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
+  answer *c = user;
+  c->hit = hit_at(w, a, b, guess), c->found = true;
+  return false;
+}
+
+static bool stop(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
+  (void)w, (void)a, (void)b, (void)guess;
+  *(bool *)user = true;
+  return false;
+}
+
+skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray, skf_hit *hit, bool *found,
+                            skf_ray_report *report) {
+  question q = {.tracer = tracer, .found = take_first, .first = true};
+  answer a = {.found = false};
+  int last;
+  skf_status s = ask(&q, ray, &a, &last);
+  *found = a.found;
+  if (a.found) *hit = a.hit;
+  return end(&q, s, report);
+}
+
+skf_status skf_tracer_occluded(const skf_tracer *tracer, const skf_ray *ray, bool *occluded, skf_ray_report *report) {
+  question q = {.tracer = tracer, .found = stop, .first = true};
+  int last;
+  *occluded = false;
+  return end(&q, ask(&q, ray, occluded, &last), report);
+}
+
+/* Rays for a thread at a time: it changes no result. */
+enum { SHARE = 64 };
+
+skf_status skf_tracer_first_many(const skf_tracer *tracer, size_t n, const skf_ray *rays, skf_hit *hits, bool *found,
+                                 skf_ray_report *report) {
+  skf_status status = SKF_OK;
+  skf_ray_report sum = {0};
+#pragma omp parallel for schedule(dynamic) if (n > 2 * SHARE)
+  for (size_t from = 0; from < n; from += SHARE) {
+    size_t m = n - from < SHARE ? n - from : SHARE;
+    question q = {.tracer = tracer, .found = take_first, .first = true};
+    answer a[SHARE];
+    for (size_t i = 0; i < m; i++) a[i].found = false;
+    skf_status s = ask_many(&q, m, rays + from, a, sizeof *a);
+    for (size_t i = 0; i < m; i++) {
+      found[from + i] = a[i].found;
+      if (a[i].found) hits[from + i] = a[i].hit;
+    }
+#pragma omp critical(skf_ray_many)
+    {
+      add_report(&sum, &q.report);
+      if (s) status = s;
+    }
+  }
+  if (report) add_report(report, &sum);
+  return status;
+}
+
+skf_status skf_tracer_occluded_many(const skf_tracer *tracer, size_t n, const skf_ray *rays, bool *occluded,
+                                    skf_ray_report *report) {
+  skf_status status = SKF_OK;
+  skf_ray_report sum = {0};
+#pragma omp parallel for schedule(dynamic) if (n > 2 * SHARE)
+  for (size_t from = 0; from < n; from += SHARE) {
+    size_t m = n - from < SHARE ? n - from : SHARE;
+    question q = {.tracer = tracer, .found = stop, .first = true};
+    for (size_t i = 0; i < m; i++) occluded[from + i] = false;
+    skf_status s = ask_many(&q, m, rays + from, occluded + from, sizeof *occluded);
+#pragma omp critical(skf_ray_many)
+    {
+      add_report(&sum, &q.report);
+      if (s) status = s;
+    }
+  }
+  if (report) add_report(report, &sum);
+  return status;
+}
