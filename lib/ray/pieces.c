@@ -14,7 +14,7 @@ typedef struct arch {
 } arch;
 
 typedef struct pieces {
-  int n, breaks, degree;
+  int n, breaks;
   double iso, noise;
   arch arch[SKF_LEAF_BLOBS];
   double at[BREAKS];
@@ -48,10 +48,12 @@ static void cut(pieces *p, const skf_leaf *leaf, skf_vec3 start, skf_vec3 d, dou
   }
 }
 
+/* What follows is compiled once for each degree, n. */
+#define EACH_DEGREE static inline __attribute__((always_inline))
+
 /* c of f on [a, b] */
-static void expand(const pieces *p, double a, double b, double c[DEGREE + 1]) {
+EACH_DEGREE void expand(const int n, const pieces *p, double a, double b, double c[DEGREE + 1]) {
   double L = b - a;
-  int n = p->degree;
   for (int k = 0; k <= n; k++) c[k] = -p->iso;
   for (int i = 0; i < p->n; i++) {
     const arch *r = p->arch + i;
@@ -59,13 +61,12 @@ static void expand(const pieces *p, double a, double b, double c[DEGREE + 1]) {
     double q0 = r->m0 + a * (r->m1 - r->per * a), q2 = r->m0 + b * (r->m1 - r->per * b), s = r->blob->strength;
     double q1 = q0 + 0.5 * L * (r->m1 - 2 * r->per * a);
     q0 = q0 > 0 ? q0 : 0, q2 = q2 > 0 ? q2 : 0;
-    double m[5] = {q0 * q0, q0 * q1, (q0 * q2 + 2 * q1 * q1) / 3, q1 * q2, q2 * q2};
+    double m[5] = {q0 * q0, q0 * q1, (q0 * q2 + 2 * q1 * q1) * (1. / 3), q1 * q2, q2 * q2};
     if (n == 4) {
       for (int k = 0; k < 5; k++) c[k] += s * m[k];
       continue;
     }
-    double h0 = r->blob->c2 + r->blob->c3 * q0, h1 = r->blob->c2 + r->blob->c3 * q1,
-           h2 = r->blob->c2 + r->blob->c3 * q2;
+    double c2 = r->blob->c2, c3 = r->blob->c3, h0 = c2 + c3 * q0, h1 = c2 + c3 * q1, h2 = c2 + c3 * q2;
     c[0] += s * m[0] * h0;
     c[1] += s * (2 * m[1] * h0 + m[0] * h1) / 3;
     c[2] += s * (6 * m[2] * h0 + 8 * m[1] * h1 + m[0] * h2) / 15;
@@ -77,7 +78,7 @@ static void expand(const pieces *p, double a, double b, double c[DEGREE + 1]) {
 }
 
 /* De Casteljau: c becomes the left half, r the right one; returns the value between. */
-static double halve(int n, double c[DEGREE + 1], double r[DEGREE + 1]) {
+EACH_DEGREE double halve(const int n, double c[DEGREE + 1], double r[DEGREE + 1]) {
   for (int k = 0; k <= n; k++) r[k] = c[k];
   for (int k = 1; k <= n; k++) {
     for (int i = 0; i <= n - k; i++) r[i] = 0.5 * (r[i] + r[i + 1]);
@@ -86,21 +87,25 @@ static double halve(int n, double c[DEGREE + 1], double r[DEGREE + 1]) {
   return c[n];
 }
 
-/* and the slope */
-static double value(int n, const double *c, double x, double *slope) {
-  double d[DEGREE + 1], y = 1 - x;
+/* Taylor's coefficients at 0 */
+EACH_DEGREE void powers(const int n, const double *c, double d[DEGREE + 1]) {
+  static const double binomial[2][DEGREE + 1] = {{1, 4, 6, 4, 1}, {1, 6, 15, 20, 15, 6, 1}};
   for (int k = 0; k <= n; k++) d[k] = c[k];
-  for (int m = n; m > 1; m--)
-    for (int i = 0; i < m; i++) d[i] = y * d[i] + x * d[i + 1];
-  *slope = n * (d[1] - d[0]);
-  return y * d[0] + x * d[1];
+  for (int k = 1; k <= n; k++)
+    for (int i = n; i >= k; i--) d[i] -= d[i - 1];
+  for (int k = 1; k < n; k++) d[k] *= binomial[n == 6][k];
 }
 
-/* The root in (0, 1) of what has one. */
-static double root(int n, const double *c) {
-  double lo = 0, hi = 1, x = c[0] / (c[0] - c[n]), slope;
+/* The root in (0, 1) of what has one; the first guess is that of the control points' polygon. */
+EACH_DEGREE double root(const int n, const double *c) {
+  double lo = 0, hi = 1, d[DEGREE + 1], x = c[0] / (c[0] - c[n]);
+  for (int k = 0; k < n; k++)
+    if ((c[k] > 0) != (c[k + 1] > 0)) x = (k + c[k] / (c[k] - c[k + 1])) / n;
+  powers(n, c, d);
   for (int i = 0; i < 60; i++) {
-    double f = value(n, c, x, &slope), next = x - f / slope;
+    double f = d[n], slope = 0;
+    for (int k = n - 1; k >= 0; k--) slope = slope * x + f, f = f * x + d[k];
+    double next = x - f / slope;
     if (f == 0) return x;
     *((f > 0) == (c[n] > 0) ? &hi : &lo) = x;
     if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
@@ -113,32 +118,32 @@ static double root(int n, const double *c) {
 typedef enum verdict { CLEAR, CROSSING, OPEN } verdict;
 
 /* `fresh`: f at the start may be 0, from where the ray comes. */
-static verdict judge(int n, const double *c, double noise, bool fresh) {
-  int changes = 0, last = 0;
-  bool sure = true;
-  for (int k = 0; k <= n; k++) {
-    int sign = c[k] > noise ? 1 : c[k] < -noise ? -1 : 0;
-    if (!sign) {
-      sure = false;
-      continue;
-    }
-    changes += last * sign < 0;
-    last = sign;
+EACH_DEGREE verdict judge(const int n, const double *c, double noise, bool fresh) {
+  int below = 0, above = 0, changes = 0;
+  for (int k = 0; k <= n; k++) below += c[k]<-noise, above += c[k]> noise;
+  if (below == n + 1 || above == n + 1) return CLEAR;
+  if (below + above == n + 1) {
+    for (int k = 0; k < n; k++) changes += (c[k] > 0) != (c[k + 1] > 0);
+    return changes == 1 ? CROSSING : OPEN;
   }
-  if (sure && changes < 2) return changes ? CROSSING : CLEAR;
   if (fabs(c[0]) > noise || !fresh) return OPEN;
   for (int k = 0; k < n; k++) /* leaves its root and does not come back */
     if (!((c[k + 1] - c[k]) * (c[n] > 0 ? 1 : -1) > 2 * noise)) return OPEN;
   return CLEAR;
 }
 
-/* Adds the roots on [a, b] to the list, in order; false: they cannot be told. With `first` one is enough. */
-static bool isolate(const pieces *p, double a, double b, bool fresh, bool first, bracket *roots, int *count,
-                    int *last) {
-  double stack[HALVINGS + 1][DEGREE + 1], from = a;
-  int n = p->degree, depth = 0;
-  double ends[HALVINGS + 1] = {b};
-  expand(p, a, b, stack[0]);
+/* Roots found so far, and the sign of f at the end. */
+typedef struct findings {
+  int count, last;
+  bracket roots[ROOTS];
+} findings;
+
+/* Adds the roots on [a, b], in order; false: they cannot be told. With `first` one is enough. */
+EACH_DEGREE bool isolate(const int n, const pieces *p, double a, double b, bool fresh, bool first, findings *out) {
+  double stack[HALVINGS + 1][DEGREE + 1], from = a, ends[HALVINGS + 1];
+  int depth = 0;
+  ends[0] = b;
+  expand(n, p, a, b, stack[0]);
   if (fabs(stack[0][n]) <= p->noise || (fabs(stack[0][0]) <= p->noise && !fresh)) return false;
   while (depth >= 0) {
     double *c = stack[depth], to = ends[depth];
@@ -152,15 +157,32 @@ static bool isolate(const pieces *p, double a, double b, bool fresh, bool first,
       continue;
     }
     if (v == CROSSING) {
-      if (*count == ROOTS) return false;
-      roots[(*count)++] = (bracket){from, to, c[0], c[n], from + (to - from) * root(n, c)};
+      if (out->count == ROOTS) return false;
+      out->roots[out->count++] = (bracket){from, to, c[0], c[n], from + (to - from) * root(n, c)};
       if (first) return true;
     }
-    *last = c[n] > 0 ? 1 : -1;
+    out->last = c[n] > 0 ? 1 : -1;
     from = to, fresh = false;
     depth--;
   }
   return true;
+}
+
+EACH_DEGREE bool find(const int n, const pieces *p, bool fresh, bool first, findings *out) {
+  for (int i = 0; i + 1 < p->breaks; i++) {
+    if (!(p->at[i] < p->at[i + 1])) continue;
+    if (!isolate(n, p, p->at[i], p->at[i + 1], fresh, first, out)) return false;
+    if (first && out->count) return true;
+    fresh = false;
+  }
+  return true;
+}
+
+static bool find_quartic(const pieces *p, bool fresh, bool first, findings *out) {
+  return find(4, p, fresh, first, out);
+}
+static bool find_sextic(const pieces *p, bool fresh, bool first, findings *out) {
+  return find(6, p, fresh, first, out);
 }
 
 static void emit(skf_packet *p, int lane, const skf_leaf *leaf, double start, const bracket *r) {
@@ -172,24 +194,18 @@ static void emit(skf_packet *p, int lane, const skf_leaf *leaf, double start, co
 }
 
 void skf_packet_blobs(skf_packet *p, int lane, const skf_leaf *leaf, double a, double b) {
-  pieces q = {.n = 0};
-  bracket roots[ROOTS];
+  pieces q;
+  findings r;
   unsigned bit = 1u << lane;
-  int count = 0, last = 0;
-  q.degree = leaf->soft ? 6 : 4, q.iso = p->tracer->iso;
-  q.noise = leaf->grain + leaf->slope * p->shift[lane];
-  bool fresh = !((p->below | p->above) & bit), decided = true;
+  bool fresh = !((p->below | p->above) & bit);
+  q.n = 0, q.iso = p->tracer->iso, q.noise = leaf->grain + leaf->slope * p->shift[lane];
+  r.count = r.last = 0;
   cut(&q, leaf, v3_mad(p->walk[lane].origin, a, p->walk[lane].direction), p->walk[lane].direction, b - a);
-  for (int i = 0; i + 1 < q.breaks && decided && !(p->first && count); i++) {
-    if (!(q.at[i] < q.at[i + 1])) continue;
-    decided = isolate(&q, q.at[i], q.at[i + 1], fresh, p->first, roots, &count, &last);
-    fresh = false;
-  }
-  if (!decided) {
+  if (!(leaf->soft ? find_sextic : find_quartic)(&q, fresh, p->first, &r)) {
     skf_packet_walk(p, lane, leaf, a, b);
     return;
   }
-  for (int i = 0; i < count && p->alive & bit; i++) emit(p, lane, leaf, a, roots + i);
-  p->below = last < 0 ? p->below | bit : p->below & ~bit;
-  p->above = last > 0 ? p->above | bit : p->above & ~bit;
+  for (int i = 0; i < r.count && p->alive & bit; i++) emit(p, lane, leaf, a, r.roots + i);
+  p->below = r.last < 0 ? p->below | bit : p->below & ~bit;
+  p->above = r.last > 0 ? p->above | bit : p->above & ~bit;
 }

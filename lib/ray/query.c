@@ -146,16 +146,18 @@ static void board(skf_packet *p, int lane, const candidate *c) {
 /* Those of n candidates that go the same way as the first, together; returns a bit for each. *last: the sign of the
    last one's field at its end. */
 static unsigned travel(question *q, const candidate *c, unsigned left, int *last) {
-  skf_packet p = {.tracer = q->tracer, .first = q->first, .found = q->found};
+  skf_packet p;
   unsigned taken = 0;
   int lanes = 0, lane = __builtin_ctz(left);
+  p.tracer = q->tracer, p.first = q->first, p.found = q->found;
+  p.below = p.above = 0, p.cells = 0;
   p.backwards = c[lane].backwards;
   for (; left; left &= left - 1) {
     lane = __builtin_ctz(left);
     if (c[lane].backwards == p.backwards) board(&p, lanes++, c + lane), taken |= 1u << lane;
   }
   p.alive = (1u << lanes) - 1, p.vectors = lanes > 4 ? 2 : 1;
-  for (int i = lanes; i < 4 * p.vectors; i++) p.from[i] = 1, p.to[i] = 0;
+  for (int i = lanes; i < 4 * p.vectors; i++) board(&p, i, c + lane), p.to[i] = -INFINITY;
   skf_packet_get(q->tracer->isa)(&p);
   for (int i = 0; i < lanes; i++) add_report(&q->report, &p.walk[i].report);
   q->report.cells += p.cells;
@@ -221,6 +223,59 @@ skf_status skf_tracer_all(const skf_tracer *tracer, const skf_ray *ray, size_t c
   return end(&q, s, report);
 }
 
+typedef struct span_list {
+  size_t capacity, count;
+  skf_span *spans;
+  skf_hit start; /* of the ray */
+  bool inside;
+} span_list;
+
+static void open_span(span_list *l, skf_hit in, bool with_ray) {
+  if (l->count < l->capacity) l->spans[l->count].in = in, l->spans[l->count].starts_inside = with_ray;
+  l->inside = true;
+}
+
+static void close_span(span_list *l, skf_hit out, bool with_ray) {
+  if (l->count < l->capacity) l->spans[l->count].out = out, l->spans[l->count].ends_inside = with_ray;
+  l->inside = false;
+  l->count++;
+}
+
+static bool add_crossing(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
+  span_list *l = user;
+  skf_hit h = hit_at(w, a, b, guess);
+  if (h.entering) {
+    open_span(l, h, false);
+  } else {
+    if (!l->inside) open_span(l, l->start, true);
+    close_span(l, h, false);
+  }
+  return true;
+}
+
+static skf_hit end_of_ray(const skf_ray *ray, double t) {
+  skf_hit h = {.t = t, .at = ray->origin, .normal = {0, 0, 0}};
+  skf_vec3 d = v3_unit(ray->direction);
+  for (int i = 0; i < 3; i++)
+    if (v3_get(d, i) != 0) *v3_at(&h.at, i) += t * v3_get(d, i);
+  return h;
+}
+
+skf_status skf_tracer_spans(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_span *spans,
+                            size_t *count, skf_ray_report *report) {
+  span_list l = {.capacity = capacity, .spans = spans, .start = end_of_ray(ray, ray->t_min)};
+  question q = {.tracer = tracer, .found = add_crossing};
+  int last;
+  l.start.entering = true;
+  skf_status s = ask(&q, ray, &l, &last);
+  if (!s && ray->t_min < ray->t_max) {
+    if (!l.inside && !l.count && last > 0) open_span(&l, l.start, true);
+    if (l.inside) close_span(&l, end_of_ray(ray, ray->t_max), true);
+  }
+  *count = l.count;
+  return end(&q, s, report);
+}
+
 /* A ray's answer: to first hits and to occlusion */
 typedef struct answer {
   skf_hit hit;
@@ -235,7 +290,7 @@ static bool take_first(void *user, skf_walk *w, const skf_knot *a, const skf_kno
 
 static bool stop(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
   (void)w, (void)a, (void)b, (void)guess;
-  *(bool *)user = true;
+  ((answer *)user)->found = true;
   return false;
 }
 
@@ -252,55 +307,54 @@ skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray, skf_hi
 
 skf_status skf_tracer_occluded(const skf_tracer *tracer, const skf_ray *ray, bool *occluded, skf_ray_report *report) {
   question q = {.tracer = tracer, .found = stop, .first = true};
+  answer a = {.found = false};
   int last;
-  *occluded = false;
-  return end(&q, ask(&q, ray, occluded, &last), report);
+  skf_status s = ask(&q, ray, &a, &last);
+  *occluded = a.found;
+  return end(&q, s, report);
 }
 
 /* Rays for a thread at a time: it changes no result. */
 enum { SHARE = 64 };
 
+/* n <= SHARE; hits may be NULL */
+static skf_status answer_share(question *q, size_t n, const skf_ray *rays, skf_hit *hits, bool *found) {
+  answer a[SHARE];
+  for (size_t i = 0; i < n; i++) a[i].found = false;
+  skf_status s = ask_many(q, n, rays, a, sizeof *a);
+  for (size_t i = 0; i < n; i++) {
+    found[i] = a[i].found;
+    if (hits && a[i].found) hits[i] = a[i].hit;
+  }
+  return s;
+}
+
+static skf_status answer_all(const question *kind, size_t n, const skf_ray *rays, skf_hit *hits, bool *found,
+                             skf_ray_report *report) {
+  size_t cells = 0, subdivisions = 0, evaluations = 0, grazing = 0;
+  int worst = SKF_OK;
+#pragma omp parallel for schedule(dynamic) if (n > 2 * SHARE) reduction(+ : cells, subdivisions, evaluations, grazing) \
+    reduction(max : worst)
+  for (size_t from = 0; from < n; from += SHARE) {
+    question q = *kind;
+    size_t m = n - from < SHARE ? n - from : SHARE;
+    int s = (int)answer_share(&q, m, rays + from, hits ? hits + from : NULL, found + from);
+    worst = s > worst ? s : worst;
+    cells += q.report.cells, subdivisions += q.report.subdivisions;
+    evaluations += q.report.evaluations, grazing += q.report.grazing;
+  }
+  if (report) add_report(report, &(skf_ray_report){cells, subdivisions, evaluations, grazing});
+  return (skf_status)worst;
+}
+
 skf_status skf_tracer_first_many(const skf_tracer *tracer, size_t n, const skf_ray *rays, skf_hit *hits, bool *found,
                                  skf_ray_report *report) {
-  skf_status status = SKF_OK;
-  skf_ray_report sum = {0};
-#pragma omp parallel for schedule(dynamic) if (n > 2 * SHARE)
-  for (size_t from = 0; from < n; from += SHARE) {
-    size_t m = n - from < SHARE ? n - from : SHARE;
-    question q = {.tracer = tracer, .found = take_first, .first = true};
-    answer a[SHARE];
-    for (size_t i = 0; i < m; i++) a[i].found = false;
-    skf_status s = ask_many(&q, m, rays + from, a, sizeof *a);
-    for (size_t i = 0; i < m; i++) {
-      found[from + i] = a[i].found;
-      if (a[i].found) hits[from + i] = a[i].hit;
-    }
-#pragma omp critical(skf_ray_many)
-    {
-      add_report(&sum, &q.report);
-      if (s) status = s;
-    }
-  }
-  if (report) add_report(report, &sum);
-  return status;
+  question q = {.tracer = tracer, .found = take_first, .first = true};
+  return answer_all(&q, n, rays, hits, found, report);
 }
 
 skf_status skf_tracer_occluded_many(const skf_tracer *tracer, size_t n, const skf_ray *rays, bool *occluded,
                                     skf_ray_report *report) {
-  skf_status status = SKF_OK;
-  skf_ray_report sum = {0};
-#pragma omp parallel for schedule(dynamic) if (n > 2 * SHARE)
-  for (size_t from = 0; from < n; from += SHARE) {
-    size_t m = n - from < SHARE ? n - from : SHARE;
-    question q = {.tracer = tracer, .found = stop, .first = true};
-    for (size_t i = 0; i < m; i++) occluded[from + i] = false;
-    skf_status s = ask_many(&q, m, rays + from, occluded + from, sizeof *occluded);
-#pragma omp critical(skf_ray_many)
-    {
-      add_report(&sum, &q.report);
-      if (s) status = s;
-    }
-  }
-  if (report) add_report(report, &sum);
-  return status;
+  question q = {.tracer = tracer, .found = stop, .first = true};
+  return answer_all(&q, n, rays, NULL, occluded, report);
 }

@@ -58,6 +58,18 @@ SKF_API skf_status skf_tracer_all(const skf_tracer *tracer, const skf_ray *ray, 
 SKF_API skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray, skf_hit *hit, bool *found,
                                     skf_ray_report *report);
 
+/* A stretch of a ray on which F > iso, from `in` to `out`. Where the ray starts (ends) inside, `in` (`out`) is its
+   start (end), without a normal: (0, 0, 0). */
+typedef struct skf_span {
+  skf_hit in, out;
+  bool starts_inside, ends_inside;
+} skf_span;
+
+/* All of them, in order and apart from each other, for set operations between bodies: at most `capacity` go to spans,
+ *count is the true number. A ray that starts on the surface is inside if it goes inwards. */
+SKF_API skf_status skf_tracer_spans(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_span *spans,
+                                    size_t *count, skf_ray_report *report);
+
 /* Only whether there is a crossing: cheaper, it is not polished. */
 SKF_API skf_status skf_tracer_occluded(const skf_tracer *tracer, const skf_ray *ray, bool *occluded,
                                        skf_ray_report *report);
