@@ -26,6 +26,7 @@ int cli_scene_at(const char *path, double time, skf_scene **out) {
   const skf_scene_hooks hooks = {.cut_rings = polygon_cutter(), .time = time};
   skf_status s = skf_scene_read_with(path, &hooks, out, &e);
   if (!s) return CLI_DONE;
+  if (e.file[0]) path = e.file;
   if (e.line > 0) return cli_fail(CLI_BAD, "%s:%ld: %s", path, e.line, e.text);
   return cli_fail(s == SKF_ERR_NOMEM ? CLI_FAILED : CLI_BAD, "%s: %s", path, e.text);
 }

@@ -49,14 +49,22 @@ static skf_status take_contact(void *user, const skf_contact *c) {
   return s->output_status == CLI_DONE ? SKF_OK : SKF_ERR_IO;
 }
 
-/* A start inside a body is legal: the particle flies until it leaves. */
+/* A start inside a body is legal: the particle flies until it leaves. Some are named, the others counted. */
 static void warn_inside(const simulate *s) {
   const skf_scene *scene = s->table.scene;
-  for (size_t b = 0; b < scene->body_count && scene->simulation.contact != SKF_CONTACT_NONE; b++)
-    for (size_t i = 0; i < scene->particle_count; i++)
-      if (skf_world_level(s->world, b, 0, s->starts[i].position) > 1e-9 * fabs(scene->bodies[b].iso))
+  enum { NAMED = 5 };
+  for (size_t b = 0; b < scene->body_count && scene->simulation.contact != SKF_CONTACT_NONE; b++) {
+    size_t inside = 0;
+    for (size_t i = 0; i < scene->particle_count; i++) {
+      if (!(skf_world_level(s->world, b, 0, s->starts[i].position) > 1e-9 * fabs(scene->bodies[b].iso))) continue;
+      if (++inside <= NAMED)
         cli_say("skelfield: warning: particle '%s' starts inside of body '%s': it flies freely until it leaves",
                 scene->particles[i].name, scene->bodies[b].name);
+    }
+    if (inside > NAMED)
+      cli_say("skelfield: warning: %zu more particles start inside of body '%s'", inside - NAMED,
+              scene->bodies[b].name);
+  }
 }
 
 static bool to_stdout(const char *path) { return !path || strcmp(path, "-") == 0; }

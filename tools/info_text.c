@@ -133,12 +133,23 @@ static void put_particle(FILE *f, const skf_scene *scene, const skf_particle *p)
   fputc('\n', f);
 }
 
+/* Of a file, a grid, ... only the first ones. */
+static void put_particles(FILE *f, const skf_scene *scene) {
+  enum { SHOWN = 3 };
+  for (size_t i = 0, n; i < scene->particle_count; i += n) {
+    const skf_particle *p = scene->particles + i;
+    for (n = 1; p->sourced && i + n < scene->particle_count && p[n].sourced && p[n].line == p->line;) n++;
+    for (size_t k = 0; k < n && k < SHOWN; k++) put_particle(f, scene, p + k);
+    if (n > SHOWN) fprintf(f, "  and %zu more to %s\n", n - SHOWN, p[n - 1].name);
+  }
+}
+
 void info_text(FILE *f, const skf_scene *scene, const char *path) {
   fprintf(f, "scene %s: %zu %s, %zu %s, G = %.10g\n", path, scene->body_count,
           scene->body_count == 1 ? "body" : "bodies", scene->particle_count,
           scene->particle_count == 1 ? "particle" : "particles", scene->G);
   for (size_t i = 0; i < scene->body_count; i++) put_body(f, scene, scene->bodies + i);
-  for (size_t i = 0; i < scene->particle_count; i++) put_particle(f, scene, scene->particles + i);
+  put_particles(f, scene);
   const skf_simulation *s = &scene->simulation;
   if (!s->given) return;
   fprintf(f, "simulation to t = %.10g, output every %.10g, tolerance %.3g, contact %s", s->t_end, s->output_every,

@@ -180,7 +180,9 @@ static skf_status read_body(skf_reader *r, const skf_node *map, skf_body *out) {
   return s;
 }
 
-static const char *name_at(const skf_scene *scene, size_t i) { return scene->bodies[i].name; }
+static skf_named name_at(const skf_scene *scene, size_t i) {
+  return (skf_named){scene->bodies[i].name, scene->bodies[i].line};
+}
 
 skf_status skf_read_bodies(skf_reader *r, const skf_node *list, void *into) {
   skf_scene *scene = into;
@@ -192,5 +194,5 @@ skf_status skf_read_bodies(skf_reader *r, const skf_node *list, void *into) {
   if (!scene->bodies) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
   for (const skf_node *n = skf_node_first(&r->yaml, list); n && !s; n = skf_node_next(&r->yaml, n))
     s = read_body(r, n, scene->bodies + scene->body_count++);
-  return s ? s : skf_refuse_duplicates(r, list, "body", scene->body_count, name_at);
+  return s ? s : skf_refuse_duplicates(r, "body", scene->body_count, name_at);
 }

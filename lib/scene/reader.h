@@ -16,6 +16,7 @@ typedef struct skf_reader {
   const skf_scene_hooks *hooks; /* never NULL */
   size_t material_count;
   skf_material *materials;
+  size_t particle_capacity;
 } skf_reader;
 
 typedef enum skf_key_type {
@@ -59,8 +60,9 @@ typedef struct skf_section {
 /* Every section with a fixed table, for the help and the tests; NULL after the last. */
 extern const skf_section *const skf_sections[];
 extern const skf_section skf_section_scene, skf_section_gravity, skf_section_body, skf_section_spin,
-    skf_section_ellipsoid, skf_section_particle, skf_section_launch, skf_section_simulation, skf_section_camera,
-    skf_section_light, skf_section_area, skf_section_animate, skf_section_fog, skf_section_background;
+    skf_section_ellipsoid, skf_section_particle, skf_section_launch, skf_section_grid, skf_section_disc,
+    skf_section_shell, skf_section_maxwellian, skf_section_simulation, skf_section_camera, skf_section_light,
+    skf_section_area, skf_section_animate, skf_section_fog, skf_section_background;
 
 /* Reads a mapping into a struct. *given, unless NULL, gets bit i for the i-th key. */
 skf_status skf_read_map(skf_reader *r, const skf_node *map, const skf_section *section, void *into, unsigned *given);
@@ -85,9 +87,8 @@ skf_status skf_read_choice(skf_reader *r, const skf_node *node, const char *name
                            int *out);
 
 skf_status skf_read_bodies(skf_reader *r, const skf_node *list, void *scene);
-skf_status skf_read_particles(skf_reader *r, const skf_node *list, void *scene);
-/* The starts that name a body, once every body is known. */
-skf_status skf_resolve_launches(skf_reader *r, const skf_node *particles);
+/* Once every body is known: a start may need them. */
+skf_status skf_read_particles(skf_reader *r, const skf_node *list);
 skf_status skf_read_simulation(skf_reader *r, const skf_node *map, void *scene);
 skf_status skf_read_camera(skf_reader *r, const skf_node *map, void *scene);
 skf_status skf_read_lights(skf_reader *r, const skf_node *list, void *scene);
@@ -95,8 +96,12 @@ skf_status skf_read_lights(skf_reader *r, const skf_node *list, void *scene);
 skf_status skf_animate(skf_reader *r, const skf_node *list);
 skf_status skf_read_fog(skf_reader *r, const skf_node *map, void *scene);
 skf_status skf_read_background(skf_reader *r, const skf_node *value, void *scene);
-/* Refuses two entries of a list with the same name; name_at gives the i-th. */
-skf_status skf_refuse_duplicates(skf_reader *r, const skf_node *list, const char *what, size_t n,
-                                 const char *(*name_at)(const skf_scene *scene, size_t i));
+/* An entry's name and line. */
+typedef struct skf_named {
+  const char *name;
+  long line;
+} skf_named;
+/* Refuses two of the n entries with the same name. */
+skf_status skf_refuse_duplicates(skf_reader *r, const char *what, size_t n, skf_named (*at)(const skf_scene *, size_t));
 
 #endif

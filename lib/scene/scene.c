@@ -5,6 +5,7 @@
 #include "core/alloc.h"
 #include "core/vec3.h"
 #include <errno.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,7 +33,7 @@ static skf_status read_version(skf_reader *r, const skf_node *node, void *scene)
 }
 
 static skf_status accept(skf_reader *r, const skf_node *value, void *into) {
-  return (void)r, (void)value, (void)into, SKF_OK; /* what has been read before */
+  return (void)r, (void)value, (void)into, SKF_OK; /* what is read before or after the others */
 }
 
 enum {
@@ -55,8 +56,7 @@ static const skf_key scene_keys[KEYS] = {
     [KEY_GRAVITY] = {"gravity", NULL, "constant of gravity", SKF_KEY_OTHER, .read = read_gravity, .form = "{G: ...}"},
     [KEY_BODIES] = {"bodies", NULL, "at least one body", SKF_KEY_OTHER, true, .read = skf_read_bodies,
                     .form = "a list of bodies"},
-    [KEY_PARTICLES] = {"particles", NULL, "what flies", SKF_KEY_OTHER, .read = skf_read_particles,
-                       .form = "a list of particles"},
+    [KEY_PARTICLES] = {"particles", NULL, "what flies", SKF_KEY_OTHER, .read = accept, .form = "a list of particles"},
     [KEY_SIMULATION] = {"simulation", NULL, "how it flies", SKF_KEY_OTHER, .read = skf_read_simulation,
                         .form = "{t_end, output_every, ...}"},
     [KEY_CAMERA] = {"camera", NULL, "for render", SKF_KEY_OTHER, .read = skf_read_camera,
@@ -72,52 +72,38 @@ static const skf_key scene_keys[KEYS] = {
 };
 const skf_section skf_section_scene = {"scene", "the whole file", scene_keys, KEYS};
 
-const skf_section *const skf_sections[] = {&skf_section_scene,
-                                           &skf_section_gravity,
-                                           &skf_section_material,
-                                           &skf_section_body,
-                                           &skf_section_spin,
-                                           &skf_section_ellipsoid,
-                                           &skf_section_particle,
-                                           &skf_section_launch,
-                                           &skf_section_simulation,
-                                           &skf_section_camera,
-                                           &skf_section_light,
-                                           &skf_section_area,
-                                           &skf_section_background,
-                                           &skf_section_fog,
-                                           &skf_section_texture,
-                                           &skf_section_animate,
-                                           NULL};
+const skf_section *const skf_sections[] = {&skf_section_scene,      &skf_section_gravity,    &skf_section_material,
+                                           &skf_section_body,       &skf_section_spin,       &skf_section_ellipsoid,
+                                           &skf_section_particle,   &skf_section_launch,     &skf_section_grid,
+                                           &skf_section_disc,       &skf_section_shell,      &skf_section_maxwellian,
+                                           &skf_section_simulation, &skf_section_camera,     &skf_section_light,
+                                           &skf_section_area,       &skf_section_background, &skf_section_fog,
+                                           &skf_section_texture,    &skf_section_animate,    NULL};
 
-/* The first entry of a list that repeats an earlier one's name. */
-typedef struct named {
-  const char *name;
-  size_t index;
-} named;
-
-static int by_name(const void *a, const void *b) {
-  const named *x = a, *y = b;
-  int c = strcmp(x->name, y->name);
-  return c ? c : (x->index > y->index) - (x->index < y->index);
+static size_t hash(const char *text) {
+  uint64_t h = 14695981039346656037u; /* FNV-1a */
+  for (; *text; text++) h = (h ^ (unsigned char)*text) * 1099511628211u;
+  return (size_t)(h ^ h >> 32);
 }
 
-skf_status skf_refuse_duplicates(skf_reader *r, const skf_node *list, const char *what, size_t n,
-                                 const char *(*name_at)(const skf_scene *scene, size_t i)) {
-  named *all = skf_alloc(n, sizeof *all);
-  if (!all) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
-  for (size_t i = 0; i < n; i++) all[i] = (named){name_at(r->scene, i), i};
-  qsort(all, n, sizeof *all, by_name);
-  size_t repeated = n;
-  for (size_t i = 1; i < n; i++)
-    if (all[i].index < repeated && strcmp(all[i].name, all[i - 1].name) == 0) repeated = all[i].index;
-  skf_free(all);
-  if (repeated == n) return SKF_OK;
-  const skf_node *node = skf_node_first(&r->yaml, list);
-  for (size_t i = 0; i < repeated; i++) node = skf_node_next(&r->yaml, node);
-  return skf_error_set(r->error, SKF_ERR_PARSE, skf_map_line(r, node, "name"),
-                       "a second %s is called '%s', expected different names", what,
-                       skf_show(name_at(r->scene, repeated)).text);
+skf_status skf_refuse_duplicates(skf_reader *r, const char *what, size_t n,
+                                 skf_named (*at)(const skf_scene *, size_t)) {
+  size_t size = 16;
+  while (size < 2 * n) size *= 2;
+  const char **table = skf_alloc(size, sizeof *table);
+  if (!table) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+  skf_named repeated = {NULL, 0};
+  for (size_t i = 0; i < n && !repeated.name; i++) {
+    skf_named next = at(r->scene, i);
+    size_t k = hash(next.name) & (size - 1);
+    while (table[k] && strcmp(table[k], next.name) != 0) k = (k + 1) & (size - 1);
+    if (table[k]) repeated = next;
+    table[k] = next.name;
+  }
+  skf_free(table);
+  if (!repeated.name) return SKF_OK;
+  return skf_error_set(r->error, SKF_ERR_PARSE, repeated.line, "a second %s is called '%s', expected different names",
+                       what, skf_show(repeated.name).text);
 }
 
 static skf_status read_scene(skf_reader *r) {
@@ -133,7 +119,7 @@ static skf_status read_scene(skf_reader *r) {
   unsigned given;
   if ((s = skf_read_map(r, root, &skf_section_scene, r->scene, &given))) return s;
   r->scene->has_background = given >> KEY_BACKGROUND & 1;
-  return given >> KEY_PARTICLES & 1 ? skf_resolve_launches(r, skf_map_find(r, root, "particles")) : SKF_OK;
+  return given >> KEY_PARTICLES & 1 ? skf_read_particles(r, skf_map_find(r, root, "particles")) : SKF_OK;
 }
 
 skf_status skf_scene_parse(const char *text, size_t length, const char *folder, skf_scene **out, skf_error *error) {
@@ -223,7 +209,10 @@ void skf_scene_free(skf_scene *scene) {
     skf_free(b->profiles);
     skf_field_free(b->field);
   }
-  for (size_t i = 0; i < scene->particle_count; i++) skf_free(scene->particles[i].name);
+  for (size_t i = 0; i < scene->particle_count; i++)
+    if (!scene->particles[i].sourced) skf_free(scene->particles[i].name);
+  for (size_t i = 0; i < scene->name_pool_count; i++) skf_free(scene->name_pools[i]);
+  skf_free(scene->name_pools);
   skf_free(scene->bodies);
   skf_free(scene->particles);
   skf_free(scene->lights);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What moves among the bodies, and for how long. */
+/* How particles fly, and for how long. */
 #include "scene/reader.h"
 #include "core/alloc.h"
 #include "core/vec3.h"
@@ -7,99 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const skf_range latitude = {-90, 90, false}, turn = {-360, 360, false}, tolerance = {0, 0.1, true};
-
-static skf_status accept(skf_reader *r, const skf_node *value, void *into) {
-  return (void)r, (void)value, (void)into, SKF_OK;
-}
-
-static const skf_key launch_keys[] = {
-    {"body", NULL, "name of a body with an ellipsoid", SKF_KEY_OTHER, true, .read = accept, .form = "a body's name"},
-    {"latitude", "deg", "north of the equator", SKF_KEY_ANGLE, true, .offset = offsetof(skf_launch, latitude),
-     .range = &latitude},
-    {"longitude", "deg", "east of the meridian", SKF_KEY_ANGLE, true, .offset = offsetof(skf_launch, longitude),
-     .range = &turn},
-    {"height", "L", "above the ellipsoid (default: 0)", SKF_KEY_NUMBER, false, .offset = offsetof(skf_launch, height)},
-    {"azimuth", "deg", "clockwise from north (default: 0)", SKF_KEY_ANGLE, false,
-     .offset = offsetof(skf_launch, azimuth), .range = &turn},
-    {"elevation", "deg", "above the horizon (default: 0)", SKF_KEY_ANGLE, false,
-     .offset = offsetof(skf_launch, elevation), .range = &latitude},
-    {"speed", "L/T", "relative to the body's ground", SKF_KEY_NUMBER, true, .offset = offsetof(skf_launch, speed),
-     .range = &skf_not_negative},
-};
-const skf_section skf_section_launch = {"launch", "a start on a body's ellipsoid", launch_keys, 7};
-
-static skf_status read_launch(skf_reader *r, const skf_node *map, void *into) {
-  skf_launch *launch = &((skf_particle *)into)->launch;
-  launch->given = true;
-  return skf_read_map(r, map, &skf_section_launch, launch, NULL);
-}
-
-enum { PARTICLE_NAME, PARTICLE_POSITION, PARTICLE_VELOCITY, PARTICLE_LAUNCH, PARTICLE_KEYS };
-
-static const skf_key particle_keys[PARTICLE_KEYS] = {
-    {"name", NULL, "unique among the particles", SKF_KEY_NAME, true, .offset = offsetof(skf_particle, name)},
-    {"position", "L", "at t = 0, inertial frame", SKF_KEY_VECTOR, false, .offset = offsetof(skf_particle, position)},
-    {"velocity", "L/T", "at t = 0, inertial frame", SKF_KEY_VECTOR, false, .offset = offsetof(skf_particle, velocity)},
-    {"launch", NULL, "instead of position and velocity", SKF_KEY_OTHER, .read = read_launch,
-     .form = "{body, latitude, longitude, speed, ...}"},
-};
-const skf_section skf_section_particle = {"particle", "a point without mass of its own", particle_keys, PARTICLE_KEYS};
-
-static skf_status read_particle(skf_reader *r, const skf_node *map, skf_particle *p) {
-  unsigned given;
-  p->line = map->line;
-  skf_status s = skf_read_map(r, map, &skf_section_particle, p, &given);
-  if (s) return s;
-  bool position = given >> PARTICLE_POSITION & 1, velocity = given >> PARTICLE_VELOCITY & 1;
-  if (p->launch.given && (position || velocity))
-    return skf_error_set(r->error, SKF_ERR_PARSE, skf_map_line(r, map, position ? "position" : "velocity"),
-                         "both launch and %s, expected launch alone or position and velocity",
-                         position ? "position" : "velocity");
-  if (p->launch.given || (position && velocity)) return SKF_OK;
-  return skf_error_set(r->error, SKF_ERR_PARSE, map->line, "missing '%s' in particle, expected [x, y, z]",
-                       position ? "velocity" : "position");
-}
-
-static const char *name_at(const skf_scene *scene, size_t i) { return scene->particles[i].name; }
-
-skf_status skf_read_particles(skf_reader *r, const skf_node *list, void *into) {
-  skf_scene *scene = into;
-  skf_status s = skf_expect(r, list, SKF_NODE_LIST, "particles", "a list of particles");
-  if (s) return s;
-  scene->particles = skf_alloc((size_t)list->count, sizeof *scene->particles);
-  if (!scene->particles) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
-  for (const skf_node *n = skf_node_first(&r->yaml, list); n && !s; n = skf_node_next(&r->yaml, n))
-    s = read_particle(r, n, scene->particles + scene->particle_count++);
-  return s ? s : skf_refuse_duplicates(r, list, "particle", scene->particle_count, name_at);
-}
-
-static skf_status resolve(skf_reader *r, const skf_node *launch, skf_launch *out) {
-  const skf_node *node = skf_map_find(r, launch, "body");
-  skf_status s = skf_expect(r, node, SKF_NODE_SCALAR, "body", "a body's name");
-  if (s) return s;
-  const char *name = skf_node_text(&r->yaml, node);
-  size_t i = 0;
-  while (i < r->scene->body_count && strcmp(r->scene->bodies[i].name, name) != 0) i++;
-  if (i == r->scene->body_count)
-    return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "no body is called '%s', expected the name of a body",
-                         skf_show(name).text);
-  out->body = i;
-  if (r->scene->bodies[i].ellipsoid.given) return SKF_OK;
-  return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "body '%s' has no ellipsoid, expected one for a launch",
-                       skf_show(name).text);
-}
-
-skf_status skf_resolve_launches(skf_reader *r, const skf_node *particles) {
-  const skf_node *n = skf_node_first(&r->yaml, particles);
-  for (size_t i = 0; n; i++, n = skf_node_next(&r->yaml, n)) {
-    skf_particle *p = r->scene->particles + i;
-    if (!p->launch.given) continue;
-    skf_status s = resolve(r, skf_map_find(r, n, "launch"), &p->launch);
-    if (s) return s;
-  }
-  return SKF_OK;
-}
+static const skf_range tolerance = {0, 0.1, true};
 
 static skf_status read_contact(skf_reader *r, const skf_node *node, void *into) {
   static const char *const modes[] = {

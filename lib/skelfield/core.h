@@ -55,11 +55,13 @@ typedef struct skf_box {
   skf_vec3 lo, hi;
 } skf_box;
 
-/* What went wrong and where: `line` is 1-based, 0 when no line applies. */
+/* What went wrong and where: `line` is 1-based, 0 when no line applies; `file` names another file than the one that was
+   asked for, one that it refers to, or is empty. */
 typedef struct skf_error {
   skf_status status;
   long line;
   char text[256];
+  char file[512];
 } skf_error;
 
 /* Long work calls `report(user, done)` with done in [0, 1] from one thread now and then; a non-zero return asks it to

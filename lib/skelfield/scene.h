@@ -58,6 +58,7 @@ typedef struct skf_launch {
 
 typedef struct skf_particle {
   char *name;
+  bool sourced;                /* one of many from a file, a grid, ...; its name is one of scene->name_pools */
   skf_vec3 position, velocity; /* inertial; unset while launch.given, until somebody resolves it */
   skf_launch launch;
   long line;
@@ -85,6 +86,8 @@ typedef struct skf_scene {
   size_t body_count, particle_count, light_count;
   skf_body *bodies;
   skf_particle *particles;
+  size_t name_pool_count;
+  char **name_pools;
   skf_light *lights;
   skf_simulation simulation;
   skf_camera camera;
