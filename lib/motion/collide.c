@@ -203,12 +203,12 @@ static skf_status enter(sweep *s, const skf_collider *a, const skf_rigid_motion 
 
 static double reach_of(const skf_collider *c, const skf_rigid_motion *m, double t) {
   skf_vec3 x = skf_rigid_at(m, t).position;
-  return v3_norm(x) + (c->bounded ? v3_norm(c->center) + c->radius : 0);
+  return v3_norm(x) + (c->bounded ? v3_dist(c->center, c->origin) + c->radius : 0);
 }
 
 static cube whole(const skf_collider *c) {
   skf_vec3 d = v3_sub(c->box.hi, c->box.lo);
-  return (cube){box_center(c->box), 0.5 * fmax(d.x, fmax(d.y, d.z)) * (1 + 1e-12)};
+  return (cube){v3_sub(box_center(c->box), c->origin), 0.5 * fmax(d.x, fmax(d.y, d.z)) * (1 + 1e-12)};
 }
 
 /* Depths of a place in both solids to first order, and the inertial directions in which they grow. */
@@ -220,8 +220,9 @@ typedef struct depths {
 static depths depths_at(const skf_duel *d, const skf_pose *pa, const skf_pose *pb, skf_vec3 p) {
   depths s = {.x = skf_pose_point(pa, p)};
   skf_vec3 ga, gb;
-  double fa = skf_field_at(d->a->field, p, &ga) - d->a->iso, na = v3_norm(ga);
-  double fb = skf_field_at(d->b->field, skf_pose_inverse(pb, s.x), &gb) - d->b->iso, nb = v3_norm(gb);
+  double fa = skf_field_at(d->a->field, v3_add(p, d->a->origin), &ga) - d->a->iso, na = v3_norm(ga);
+  double fb = skf_field_at(d->b->field, v3_add(skf_pose_inverse(pb, s.x), d->b->origin), &gb) - d->b->iso,
+         nb = v3_norm(gb);
   s.a = na > 0 ? fa / na : fa > 0 ? INFINITY : -INFINITY, s.b = nb > 0 ? fb / nb : fb > 0 ? INFINITY : -INFINITY;
   s.up_a = v3_unit(quat_turn(pa->q, 1, ga)), s.up_b = v3_unit(quat_turn(pb->q, 1, gb));
   return s;

@@ -47,6 +47,7 @@ static skf_outlook enclose(const skf_collider *c, skf_vec3 q, double radius, skf
 skf_guess skf_collider_guess(const skf_collider *c, skf_vec3 q, double radius, double far) {
   skf_guess s = {.side = 0};
   radius += 8 * DBL_EPSILON * far;
+  q = v3_add(q, c->origin);
   if (c->bounded && v3_dist(q, c->center) > c->radius + radius) return s.side = -1, s;
   skf_outlook o = enclose(c, q, radius, &s);
   if (s.side || s.vague) return s;

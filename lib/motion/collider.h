@@ -9,9 +9,10 @@
 struct skf_collider {
   const skf_field *field;
   double iso;
+  skf_vec3 origin;    /* of the frame in which places are told: field coordinates = place + origin */
   skf_tracer *tracer; /* with an octree, or NULL */
   bool bounded;       /* by a box and the ball around it: */
-  skf_box box;        /* body frame */
+  skf_box box;        /* field coordinates, as the center */
   skf_vec3 center;
   double radius;
 };

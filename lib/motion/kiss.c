@@ -62,8 +62,9 @@ static skf_vec3 speed_of(const skf_rigid_motion *m, const skf_pose *pose, double
 static void look(const skf_duel *d, double t, skf_vec3 p, pair *s) {
   s->pa = skf_rigid_at(&d->ma, t), s->pb = skf_rigid_at(&d->mb, t);
   s->x = skf_pose_point(&s->pa, p);
-  s->fa = skf_field_tensor_at(d->a->field, p, &s->ga, s->ha) - d->a->iso;
-  s->fb = skf_field_tensor_at(d->b->field, skf_pose_inverse(&s->pb, s->x), &s->gb, s->hb) - d->b->iso;
+  s->fa = skf_field_tensor_at(d->a->field, v3_add(p, d->a->origin), &s->ga, s->ha) - d->a->iso;
+  s->fb =
+      skf_field_tensor_at(d->b->field, v3_add(skf_pose_inverse(&s->pb, s->x), d->b->origin), &s->gb, s->hb) - d->b->iso;
   s->gb = to_a(s, s->gb);
   skf_vec3 w = v3_sub(speed_of(&d->ma, &s->pa, t, s->x), speed_of(&d->mb, &s->pb, t, s->x));
   s->w = quat_turn(s->pa.q, -1, w);

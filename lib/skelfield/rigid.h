@@ -91,6 +91,77 @@ SKF_API skf_status skf_collide(const skf_collider *a, const skf_pose *pose_a, co
 SKF_API skf_status skf_collide_first(const skf_collider *a, const skf_rigid_motion *motion_a, const skf_collider *b,
                                      const skf_rigid_motion *motion_b, double t0, double t1, skf_meet *out);
 
+/* ---- Bodies that move ---- */
+
+/* Position and velocity of the center of mass, attitude of the body's frame, angular velocity; all inertial. */
+typedef struct skf_rigid_state {
+  skf_vec3 position, velocity, angular_velocity;
+  double q[4]; /* unit quaternion w, x, y, z: direction (inertial) = R (body) */
+} skf_rigid_state;
+
+/* A body bounded by F >= iso. Its skeleton attracts and is attracted: density times strength times measure is its
+   elements' mass; as a rigid body it is the homogeneous solid inside. The field is borrowed. */
+typedef struct skf_rigid_body {
+  const skf_field *field;
+  double iso;
+  double density; /* of the skeleton, as of skf_attractor: [M/L], ... per element's measure */
+  double mass;    /* inertial [M]; 0: it is fixed, whatever its state */
+  skf_mass solid; /* of one that moves: skf_mass_of(field, iso) */
+  skf_rigid_state start;
+} skf_rigid_body;
+
+typedef struct skf_rigid_options {
+  double G;           /* 0: no gravity of theirs */
+  skf_vec3 gravity;   /* uniform acceleration [L/T^2] */
+  double tolerance;   /* relative error per step, 0: 1e-12 */
+  double restitution; /* in [0, 1] */
+  double friction;    /* Coulomb's, >= 0 */
+} skf_rigid_options;
+
+typedef struct skf_rigid_hit {
+  double t;
+  size_t a, b;
+  skf_vec3 at, normal; /* unit, from a to b */
+  skf_vec3 impulse;    /* on b; -impulse on a [M L/T] */
+  double closing;      /* speed of approach before [L/T] */
+} skf_rigid_hit;
+
+/* Sums over the bodies that move. Momentum is conserved where none is fixed and there is no uniform gravity, and so is
+   the angular momentum about the origin; energy where no hit has taken any. */
+typedef struct skf_rigid_sums {
+  skf_vec3 momentum, angular_momentum;
+  double kinetic, potential;
+} skf_rigid_sums;
+
+/* Bodies under each other's gravity and impacts.
+
+   Forces: Gauss's rule over each skeleton in the other's field, and the same the other way round, half each; each
+   node's force acts back on the other body at the same place. So momentum and angular momentum are kept to rounding
+   whatever the rule, and the energy belongs to the same sum. (For kernels other than 1/r the two halves are different
+   laws; the mean of both is taken, for the sake of action = reaction.) A fixed body without nodes, a plane, pulls with
+   its whole field. Motion: extrapolation of order 16 [Gragg 1965; Bulirsch and Stoer 1966], attitudes as quaternions.
+   Impacts: each step's motion, as parabolas and constant turns, goes through skf_collide_first; towards a hit the step
+   is shortened until the two are closer than 1e-9 of their size. There an impulse acts: Newton's restitution in the
+   normal velocity, and friction that ends the slip or is Coulomb's. Bodies that come to rest on each other hit more and
+   more often: skf_swarm_run gives up when hits follow each other without time going on. */
+typedef struct skf_swarm skf_swarm;
+
+/* SKF_ERR_ARG (no field, a mass or solid that is not positive, options out of range), SKF_ERR_RANGE (not finite),
+   SKF_ERR_UNSUPPORTED (a solid, plane or user's kernel in a body that moves, or no bounds), SKF_ERR_EMPTY (no surface)
+   or SKF_ERR_NOMEM. Starts at t = 0. */
+SKF_API skf_status skf_swarm_new(const skf_rigid_body *bodies, size_t n, const skf_rigid_options *options,
+                                 skf_swarm **out);
+SKF_API void skf_swarm_free(skf_swarm *swarm);
+
+/* Goes on to time t; `hit`, if given, is told each impact and may end the run with another status than SKF_OK.
+   SKF_ERR_CONVERGENCE: a force is not finite, or bodies rest on each other; the swarm stays where it came to. Bodies
+   that overlap at the start are hit when they approach, and pass else. */
+SKF_API skf_status skf_swarm_run(skf_swarm *swarm, double t, skf_status (*hit)(void *user, const skf_rigid_hit *hit),
+                                 void *user);
+SKF_API double skf_swarm_time(const skf_swarm *swarm);
+SKF_API skf_rigid_state skf_swarm_state(const skf_swarm *swarm, size_t body);
+SKF_API skf_rigid_sums skf_swarm_sums(const skf_swarm *swarm);
+
 #ifdef __cplusplus
 }
 #endif

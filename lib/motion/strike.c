@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+/* The impulse between two rigid bodies at one place. */
+#include "motion/swarm.h"
+
+/* Inertia of a body as an impulse at x meets it: velocity there after a unit impulse. */
+static skf_vec3 yields(const skf_mover *m, const skf_attitude *a, skf_vec3 x, skf_vec3 impulse) {
+  if (!m->free) return v3(0, 0, 0);
+  skf_vec3 arm = v3_sub(x, a->x), w = skf_mover_spin(m, a->q, v3_cross(arm, impulse));
+  return v3_mad(v3_cross(w, arm), 1 / m->is.mass, impulse);
+}
+
+static skf_vec3 speed(const skf_attitude *a, skf_vec3 x) { return v3_add(a->v, v3_cross(a->w, v3_sub(x, a->x))); }
+
+/* Solves K x = r for a symmetric K given by its columns. */
+static skf_vec3 solve(const skf_vec3 K[3], skf_vec3 r) {
+  double det = v3_dot(K[0], v3_cross(K[1], K[2]));
+  return v3(v3_dot(r, v3_cross(K[1], K[2])) / det, v3_dot(K[0], v3_cross(r, K[2])) / det,
+            v3_dot(K[0], v3_cross(K[1], r)) / det);
+}
+
+static void apply(const skf_mover *m, double *y, const skf_attitude *a, skf_vec3 x, skf_vec3 impulse) {
+  if (!m->free) return;
+  skf_vec3 v = v3_mad(a->v, 1 / m->is.mass, impulse), L = v3_add(a->L, v3_cross(v3_sub(x, a->x), impulse));
+  y[3] = v.x, y[4] = v.y, y[5] = v.z, y[10] = L.x, y[11] = L.y, y[12] = L.z;
+}
+
+bool skf_swarm_strike(skf_swarm *s, skf_rigid_hit *hit) {
+  const skf_mover *a = s->bodies + hit->a, *b = s->bodies + hit->b;
+  skf_attitude at_a = skf_mover_at(s, s->y, hit->a), at_b = skf_mover_at(s, s->y, hit->b);
+  skf_vec3 n = hit->normal, u = v3_sub(speed(&at_b, hit->at), speed(&at_a, hit->at)), K[3];
+  double un = v3_dot(u, n), e = s->options.restitution, mu = s->options.friction;
+  hit->closing = -un;
+  if (!(un < 0)) return false;
+  for (int k = 0; k < 3; k++) {
+    skf_vec3 unit = {k == 0, k == 1, k == 2};
+    K[k] = v3_add(yields(a, &at_a, hit->at, unit), yields(b, &at_b, hit->at, unit));
+  }
+  skf_vec3 slip = v3_mad(u, -un, n),
+           J = v3_scale(-(1 + e) * un /
+                            v3_dot(n, v3_add(v3_scale(n.x, K[0]), v3_add(v3_scale(n.y, K[1]), v3_scale(n.z, K[2])))),
+                        n);
+  if (mu > 0) { /* what would end the slip, if friction reaches so far; else Coulomb's against the slip */
+    skf_vec3 stick = solve(K, v3_sub(v3_scale(-e * un, n), u)), along = v3_mad(stick, -v3_dot(stick, n), n);
+    if (v3_norm(along) <= mu * v3_dot(stick, n)) {
+      J = stick;
+    } else {
+      skf_vec3 way = v3_mad(n, -mu, v3_unit(slip));
+      double Kn = v3_dot(n, v3_add(v3_scale(way.x, K[0]), v3_add(v3_scale(way.y, K[1]), v3_scale(way.z, K[2]))));
+      if (Kn > 0) J = v3_scale(-(1 + e) * un / Kn, way);
+    }
+  }
+  hit->impulse = J;
+  apply(a, s->y + hit->a * SKF_MOVER_STATE, &at_a, hit->at, v3_scale(-1, J));
+  apply(b, s->y + hit->b * SKF_MOVER_STATE, &at_b, hit->at, J);
+  return true;
+}

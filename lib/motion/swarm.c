@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: MIT */
+/* Rigid bodies in time: steps, and what happens where two of them meet. */
+#include "motion/swarm.h"
+#include "core/alloc.h"
+#include <float.h>
+#include <string.h>
+
+/* The two are together when they are closer than this part of their size, */
+#define CLOSE 1e-9
+/* towards which a step goes this part of the way: the parabolas and turns that stand for the motion are known the
+   better the shorter the step is, which is 0.9 the first time and then a small part of that. */
+#define TOWARDS 0.9
+#define NEARER  0.999
+/* No body turns further in one step, where another one may be near [rad]. */
+#define TURN 0.1
+/* Hits without time going on by this part of the time that a body takes to move by its size, before they count as rest.
+ */
+#define MOMENT 1e-7
+#define WEDGED 200
+
+static skf_mover *body(const skf_swarm *s, size_t i) { return s->bodies + i; }
+
+static bool invert(const double I[6], double J[6]) {
+  double c0 = I[3] * I[5] - I[4] * I[4], c1 = I[2] * I[4] - I[1] * I[5], c2 = I[1] * I[4] - I[2] * I[3];
+  double det = I[0] * c0 + I[1] * c1 + I[2] * c2;
+  const double adj[6] = {c0, c1, c2, I[0] * I[5] - I[2] * I[2], I[1] * I[2] - I[0] * I[4], I[0] * I[3] - I[1] * I[1]};
+  for (int k = 0; k < 6; k++) J[k] = adj[k] / det;
+  return I[0] > 0 && c0 > 0 && det > 0;
+}
+
+static skf_status set(skf_mover *m, const skf_rigid_body *from) {
+  if (!from->field || !(from->mass >= 0) || !isfinite(from->mass) || !isfinite(from->density)) return SKF_ERR_ARG;
+  const skf_rigid_state *at = &from->start;
+  double q = 0;
+  for (int k = 0; k < 4; k++) q += at->q[k] * at->q[k];
+  if (!v3_finite(at->position) || !v3_finite(at->velocity) || !v3_finite(at->angular_velocity)) return SKF_ERR_RANGE;
+  if (!(q > 0) || !isfinite(q)) return SKF_ERR_RANGE;
+  m->is = *from, m->free = from->mass > 0;
+  if (m->free) {
+    m->center = from->solid.center;
+    if (!(from->solid.volume > 0) || !v3_finite(m->center)) return SKF_ERR_ARG;
+    for (int k = 0; k < 6; k++) m->inertia[k] = from->solid.inertia[k] * (from->mass / from->solid.volume);
+    if (!invert(m->inertia, m->inverse)) return SKF_ERR_ARG;
+  }
+  skf_status s = skf_collider_new(from->field, from->iso, &m->hull);
+  if (!s && m->free && !m->hull->bounded) s = SKF_ERR_UNSUPPORTED;
+  if (!s) m->hull->origin = m->center;
+  return s ? s : skf_mover_place_nodes(m);
+}
+
+static void start(const skf_mover *m, double *y) {
+  const skf_rigid_state *at = &m->is.start;
+  double q[4] = {at->q[0], at->q[1], at->q[2], at->q[3]};
+  quat_normalize(q);
+  skf_vec3 w = quat_turn(q, -1, at->angular_velocity);
+  const double *I = m->inertia;
+  w = v3(I[0] * w.x + I[1] * w.y + I[2] * w.z, I[1] * w.x + I[3] * w.y + I[4] * w.z,
+         I[2] * w.x + I[4] * w.y + I[5] * w.z);
+  w = quat_turn(q, 1, w);
+  const double all[SKF_MOVER_STATE] = {at->position.x,
+                                       at->position.y,
+                                       at->position.z,
+                                       at->velocity.x,
+                                       at->velocity.y,
+                                       at->velocity.z,
+                                       q[0],
+                                       q[1],
+                                       q[2],
+                                       q[3],
+                                       w.x,
+                                       w.y,
+                                       w.z};
+  memcpy(y, all, sizeof all);
+  if (!m->free) memset(y + 3, 0, 3 * sizeof *y), memset(y + 10, 0, 3 * sizeof *y);
+}
+
+/* A first step: a part of the shortest time in which a body crosses its size or turns. */
+static double pace(const skf_swarm *s) {
+  double T = INFINITY;
+  for (size_t i = 0; i < s->n; i++) {
+    if (!body(s, i)->free) continue;
+    skf_attitude a = skf_mover_at(s, s->y, i);
+    double R = body(s, i)->hull->radius;
+    T = fmin(T, fmin(R / v3_norm(a.v), fmin(1 / v3_norm(a.w), sqrt(R / v3_norm(s->options.gravity)))));
+  }
+  return isfinite(T) ? T : 1;
+}
+
+skf_status skf_swarm_new(const skf_rigid_body *bodies, size_t n, const skf_rigid_options *options, skf_swarm **out) {
+  *out = NULL;
+  skf_rigid_options o = *options;
+  if (o.tolerance == 0) o.tolerance = 1e-12;
+  bool fine = o.tolerance > 0 && o.tolerance <= 0.1 && o.restitution >= 0 && o.restitution <= 1 && o.friction >= 0;
+  if (!fine || !isfinite(o.G) || !v3_finite(o.gravity) || !isfinite(o.friction)) return SKF_ERR_ARG;
+  skf_swarm *s = skf_alloc(1, sizeof *s);
+  if (!s) return SKF_ERR_NOMEM;
+  s->n = n, s->options = o;
+  s->bodies = skf_alloc(n, sizeof *s->bodies);
+  s->y = skf_alloc(2 * n * SKF_MOVER_STATE, sizeof *s->y);
+  s->work = skf_alloc(skf_swarm_work(n), sizeof *s->work);
+  skf_status bad = s->bodies && s->y && s->work ? SKF_OK : SKF_ERR_NOMEM;
+  for (size_t i = 0; i < n && !bad; i++) {
+    bad = set(s->bodies + i, bodies + i);
+    if (!bad) start(s->bodies + i, s->y + i * SKF_MOVER_STATE);
+  }
+  if (bad) return skf_swarm_free(s), bad;
+  s->h = 0.1 * pace(s);
+  return *out = s, SKF_OK;
+}
+
+void skf_swarm_free(skf_swarm *s) {
+  if (!s) return;
+  for (size_t i = 0; i < s->n && s->bodies; i++) skf_collider_free(s->bodies[i].hull), skf_free(s->bodies[i].node);
+  skf_free(s->bodies), skf_free(s->y), skf_free(s->work);
+  skf_free(s);
+}
+
+/* The motion of a body's frame from one state to the next, as a parabola and a constant turn about the center of mass,
+   which is the hull's origin. */
+static skf_rigid_motion motion_of(const skf_swarm *s, const double *y, const double *to, size_t i, double h) {
+  skf_attitude a = skf_mover_at(s, y, i), b = skf_mover_at(s, to, i);
+  double back[4] = {a.q[0], -a.q[1], -a.q[2], -a.q[3]}, turn[4];
+  skf_rigid_motion m = {.t = 0, .pose = {a.x, {a.q[0], a.q[1], a.q[2], a.q[3]}}, .velocity = a.v};
+  if (!body(s, i)->free) return m;
+  m.acceleration = v3_scale(2 / (h * h), v3_sub(v3_sub(b.x, a.x), v3_scale(h, a.v)));
+  quat_times(b.q, back, turn);
+  double sign = turn[0] < 0 ? -1 : 1, sine = sqrt(turn[1] * turn[1] + turn[2] * turn[2] + turn[3] * turn[3]);
+  double angle = 2 * atan2(sine, sign * turn[0]), per = sine > 0 ? sign * angle / (sine * h) : 0;
+  m.angular_velocity = v3(per * turn[1], per * turn[2], per * turn[3]);
+  return m;
+}
+
+/* Whether two bodies may meet during h, by the balls about their centers of mass. */
+static bool close_by(const skf_swarm *s, const double *y, size_t i, size_t j, double h) {
+  const skf_collider *a = body(s, i)->hull, *b = body(s, j)->hull;
+  if (!a->bounded || !b->bounded) return true;
+  skf_attitude p = skf_mover_at(s, y, i), q = skf_mover_at(s, y, j);
+  double R = a->radius + v3_dist(a->center, body(s, i)->center) + b->radius + v3_dist(b->center, body(s, j)->center);
+  return v3_dist(p.x, q.x) < R + 2 * h * (v3_norm(p.v) + v3_norm(q.v)) + 2 * h * h * v3_norm(s->options.gravity);
+}
+
+/* The longest step that the turns of bodies near to each other allow. */
+static double longest(const skf_swarm *s, double h) {
+  for (size_t i = 0; i < s->n; i++)
+    for (size_t j = i + 1; j < s->n; j++) {
+      if ((!body(s, i)->free && !body(s, j)->free) || !close_by(s, s->y, i, j, h)) continue;
+      skf_attitude a = skf_mover_at(s, s->y, i), b = skf_mover_at(s, s->y, j);
+      h = fmin(h, TURN / fmax(v3_norm(a.w), v3_norm(b.w)));
+    }
+  return h;
+}
+
+/* The first hit during the step from s->y to `to`; *hit->t is from its start. False when there is none. */
+static skf_status look(const skf_swarm *s, const double *to, double h, skf_rigid_hit *hit, bool *found) {
+  *found = false;
+  for (size_t i = 0; i < s->n; i++)
+    for (size_t j = i + 1; j < s->n; j++) {
+      if ((!body(s, i)->free && !body(s, j)->free) || !close_by(s, s->y, i, j, h)) continue;
+      skf_rigid_motion a = motion_of(s, s->y, to, i, h), b = motion_of(s, s->y, to, j, h);
+      skf_meet m;
+      skf_status bad = skf_collide_first(body(s, i)->hull, &a, body(s, j)->hull, &b, 0, *found ? hit->t : h, &m);
+      if (bad) return bad;
+      if (m.meeting == SKF_MEETING_APART || (*found && m.t >= hit->t)) continue;
+      *hit = (skf_rigid_hit){.t = m.t, .a = i, .b = j, .at = m.at, .normal = m.normal};
+      *found = true;
+    }
+  return SKF_OK;
+}
+
+/* How much time passes while the two come together by CLOSE of their size. */
+static double moment(const skf_swarm *s, const skf_rigid_hit *hit) {
+  skf_attitude a = skf_mover_at(s, s->y, hit->a), b = skf_mover_at(s, s->y, hit->b);
+  double size = INFINITY, V = v3_dist(a.v, b.v);
+  for (int k = 0; k < 2; k++) {
+    const skf_mover *m = body(s, k ? hit->b : hit->a);
+    if (m->free) size = fmin(size, m->hull->radius), V += m->hull->radius * v3_norm(k ? b.w : a.w);
+  }
+  return CLOSE * size / V;
+}
+
+skf_status skf_swarm_run(skf_swarm *s, double t, skf_status (*told)(void *, const skf_rigid_hit *), void *user) {
+  size_t n = s->n * SKF_MOVER_STATE;
+  double *to = s->y + n, since = s->t;
+  int hits = 0;
+  double ahead = INFINITY; /* time left to a hit that is known */
+  if (!isfinite(t) || t < s->t) return SKF_ERR_ARG;
+  while (s->t < t) {
+    double h, most = longest(s, fmin(fmin(s->h, t - s->t), 2 * ahead));
+    skf_rigid_hit hit;
+    bool found;
+    skf_status bad = skf_swarm_extrapolate(s, most, to, &h);
+    if (!bad) bad = look(s, to, h, &hit, &found);
+    if (bad) return bad;
+    if (found && hit.t > moment(s, &hit)) { /* up to shortly before it */
+      double next = (ahead < INFINITY ? NEARER : TOWARDS) * hit.t;
+      bad = skf_swarm_extrapolate(s, next, to, &h);
+      if (bad) return bad;
+      found = false, ahead = hit.t - next;
+    } else {
+      ahead = INFINITY;
+    }
+    if (!found) {
+      memcpy(s->y, to, n * sizeof *to);
+      s->t = h < t - s->t ? s->t + h : t;
+      continue;
+    }
+    hit.t = s->t;
+    if (!skf_swarm_strike(s, &hit)) { /* they leave each other */
+      memcpy(s->y, to, n * sizeof *to);
+      s->t += h;
+      continue;
+    }
+    hits = s->t - since < MOMENT * pace(s) ? hits + 1 : 0;
+    since = s->t;
+    if (hits > WEDGED) return SKF_ERR_CONVERGENCE;
+    if (told && (bad = told(user, &hit))) return bad;
+  }
+  return SKF_OK;
+}
+
+double skf_swarm_time(const skf_swarm *s) { return s->t; }
+
+skf_rigid_state skf_swarm_state(const skf_swarm *s, size_t i) {
+  skf_attitude a = skf_mover_at(s, s->y, i);
+  return (skf_rigid_state){a.x, a.v, a.w, {a.q[0], a.q[1], a.q[2], a.q[3]}};
+}
+
+skf_rigid_sums skf_swarm_sums(const skf_swarm *s) {
+  skf_rigid_sums r = {.potential = skf_swarm_potential(s, s->y)};
+  for (size_t i = 0; i < s->n; i++) {
+    if (!body(s, i)->free) continue;
+    skf_attitude a = skf_mover_at(s, s->y, i);
+    double m = body(s, i)->is.mass;
+    r.momentum = v3_mad(r.momentum, m, a.v);
+    r.angular_momentum = v3_add(r.angular_momentum, v3_mad(a.L, m, v3_cross(a.x, a.v)));
+    r.kinetic += 0.5 * (m * v3_norm2(a.v) + v3_dot(a.L, a.w));
+  }
+  return r;
+}
