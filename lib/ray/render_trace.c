@@ -147,7 +147,8 @@ static void background(const skf_stage *g, const skf_beam *beam, double rgb[3]) 
 
 static void light_bounced(const skf_stage *g, const skf_sight *at, const skf_beam *beam, float *lit) {
   bool fine = g->s->quality == SKF_RENDER_FINE, one = beam->scattered;
-  skf_light_at(g, at, beam, one ? 1 : fine ? 16 : 4, one ? 1 : fine ? 8 : 3, false, lit);
+  bool strong = beam->weight > 0.5;
+  skf_light_at(g, at, beam, one ? 1 : fine ? 16 : strong ? 4 : 2, one ? 1 : fine ? 8 : strong ? 3 : 1, false, lit);
 }
 
 /* Adds what comes from another direction, times a share. */
