@@ -5,10 +5,13 @@
 /* The first surface of one body beyond the ray's start, before *t. */
 static bool meet(const skf_render_body *b, const skf_beam *beam, skf_sight *best, int index, skf_ray_report *report) {
   bool turned = b->angle != 0 || b->sweep != 0, found = false;
-  skf_ray ray = {skf_body_own(b, beam->time, beam->from, true), skf_body_own(b, beam->time, beam->direction, false), 0,
-                 best->t};
-  /* Turned there and back, a start on the surface is off it by more than rounding. */
-  if (turned && beam->depth) ray.t_min = 1e-10 * fmax(v3_norm(ray.origin), v3_norm(b->about));
+  skf_ray ray = {beam->from, beam->direction, 0, best->t};
+  if (turned) {
+    ray.origin = skf_body_own(b, beam->time, beam->from, true);
+    ray.direction = skf_body_own(b, beam->time, beam->direction, false);
+    /* Turned there and back, a start on the surface is off it by more than rounding. */
+    if (beam->depth) ray.t_min = 1e-10 * fmax(v3_norm(ray.origin), v3_norm(b->about));
+  }
   skf_hit hit;
   size_t item = 0;
   if (b->offsets)
