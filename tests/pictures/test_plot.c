@@ -3,6 +3,7 @@
 #include "check.h"
 #include "adapt/plot.h"
 #include <string.h>
+#include <unistd.h>
 
 static const double black[4] = {0, 0, 0, 1}, half[4] = {0, 0, 0, 0.5};
 
@@ -73,6 +74,37 @@ static void every_format_is_written(void **state) {
   assert_int_not_equal(plot->encode(c, "gif", &bytes, &n, error), SKF_OK);
   assert_null(bytes);
   plot->destroy(c);
+}
+
+/* 16 bits are written as they are, whoever reads 8 of them gets the upper ones. */
+static void deep_pictures_come_back(void **state) {
+  (void)state;
+  const skf_plot *plot = module();
+  unsigned short deep[6 * 3 * 3];
+  for (int i = 0; i < 54; i++) deep[i] = (unsigned short)(257 * (4 * i + 1) + (i % 3 ? 100 : -100));
+  const char *const endings[] = {"png", "tif"};
+  for (int k = 0; k < 2; k++) {
+    char error[256], path[] = "/tmp/skelfield-deep-XXXXXX";
+    unsigned char *bytes, *back;
+    size_t n;
+    int w, h, file = mkstemp(path);
+    assert_true(file >= 0);
+    if (plot->encode_deep(6, 3, deep, endings[k], &bytes, &n, error)) fail_msg("%s: %s", endings[k], error);
+    if (k == 0) assert_int_equal(bytes[24], 16);
+    assert_int_equal(write(file, bytes, n), (ssize_t)n);
+    close(file);
+    plot->release(bytes);
+    if (plot->decode(path, &w, &h, &back, error)) fail_msg("%s: %s", endings[k], error);
+    unlink(path);
+    assert_true(w == 6 && h == 3);
+    for (int i = 0; i < 54; i++) assert_true(fabs(back[i] - deep[i] / 257.0) <= 1);
+    plot->release(back);
+  }
+  unsigned char *back;
+  char error[256];
+  int w, h;
+  assert_int_not_equal(plot->decode("/nowhere/none.png", &w, &h, &back, error), SKF_OK);
+  assert_null(back);
 }
 
 static void pictures_keep_their_pixels(void **state) {
@@ -166,9 +198,13 @@ static void colormaps_grow_brighter(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(formats_by_ending),          cmocka_unit_test(every_format_is_written),
-      cmocka_unit_test(pictures_keep_their_pixels), cmocka_unit_test(lines_and_areas_cover_what_they_should),
-      cmocka_unit_test(text_has_its_extent),        cmocka_unit_test(colormaps_grow_brighter),
+      cmocka_unit_test(formats_by_ending),
+      cmocka_unit_test(every_format_is_written),
+      cmocka_unit_test(deep_pictures_come_back),
+      cmocka_unit_test(pictures_keep_their_pixels),
+      cmocka_unit_test(lines_and_areas_cover_what_they_should),
+      cmocka_unit_test(text_has_its_extent),
+      cmocka_unit_test(colormaps_grow_brighter),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
