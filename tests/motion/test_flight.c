@@ -19,6 +19,7 @@ static void donut_keeps_its_invariants(void **state) {
     skf_flight_report r = skf_flight_get_report(f);
     check_scaled(r.energy_drift, 0, 1, 1e-12); /* measured: 0 and 2e-14 */
     check_scaled(r.momentum_drift, 0, 1, 1e-12);
+    if (skf_integrator_get(i)->order > 8) assert_true(r.energy_drift < 1e-14 * sqrt((double)r.steps));
     assert_true(isnan(r.jacobi_drift));
     skf_flight_free(f);
   }
@@ -88,13 +89,18 @@ static void jacobi_constant_holds(void **state) {
   skf_element e[2];
   skf_field *field;
   skf_world *w = single(e, cross(e), 1e3, 1.0 / 6, (skf_spin){{0, 0, 1}, {0, 0, 0}, 0.6}, &field);
-  skf_flight *f = fly(w, (skf_flight_options){.tolerance = 1e-12}, (skf_state){0, {6, 0, 0.5}, {0, 0.4, 0.05}});
-  state_at(f, 9000, NULL, NULL); /* about 100 revolutions of the particle */
-  skf_flight_report r = skf_flight_get_report(f);
-  print_message("%zu steps: %g\n", r.steps, r.jacobi_drift);
-  check_scaled(r.jacobi_drift, 0, 1, 1e-13);
-  assert_true(isnan(r.energy_drift) && isnan(r.momentum_drift));
-  skf_flight_free(f);
+  for (size_t i = 0; i < adaptive_count(); i++) {
+    const skf_integrator_info *info = skf_integrator_get(i);
+    if (info->order <= 8) continue;
+    skf_flight *f = fly(w, (skf_flight_options){.integrator = info->name, .tolerance = 1e-13},
+                        (skf_state){0, {6, 0, 0.5}, {0, 0.4, 0.05}});
+    state_at(f, 90000, NULL, NULL); /* 1,000 revolutions of the particle, 8,600 of the cross */
+    skf_flight_report r = skf_flight_get_report(f);
+    print_message("%s, %zu steps: %g\n", info->name, r.steps, r.jacobi_drift);
+    check_scaled(r.jacobi_drift, 0, 1, 1e-13);
+    assert_true(isnan(r.energy_drift) && isnan(r.momentum_drift));
+    skf_flight_free(f);
+  }
   skf_world_free(w);
   skf_field_free(field);
 }
