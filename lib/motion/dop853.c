@@ -110,7 +110,9 @@ static skf_status begin(void *work, skf_ode *ode, const skf_orbit *at, double h)
   dop853 *w = work;
   memset(w, 0, sizeof *w);
   w->h = h;
-  return skf_ode_eval(ode, at->t, v3_add(at->x, at->x_low), &w->a_next, &w->noise) ? SKF_OK : SKF_ERR_CONVERGENCE;
+  return skf_ode_feel(ode, at->t, v3_add(at->x, at->x_low), v3_add(at->v, at->v_low), &w->a_next, &w->noise)
+             ? SKF_OK
+             : SKF_ERR_CONVERGENCE;
 }
 
 static skf_vec3 weigh(const double *weight, const skf_vec3 *k, int n) {
@@ -124,8 +126,8 @@ static bool stage(dop853 *w, skf_ode *ode, double h, int i) {
   skf_vec3 dx = weigh(a[i], w->v, i), dv = weigh(a[i], w->a, i);
   double noise = 0;
   w->v[i] = v3_add(w->from.v, v3_mad(w->from.v_low, h, dv));
-  bool ok = skf_ode_eval(ode, clock_add(w->from.t, h * node[i]), v3_add(w->from.x, v3_mad(w->from.x_low, h, dx)),
-                         w->a + i, i % 4 == 0 ? &noise : NULL);
+  bool ok = skf_ode_feel(ode, clock_add(w->from.t, h * node[i]), v3_add(w->from.x, v3_mad(w->from.x_low, h, dx)),
+                         w->v[i], w->a + i, i % 4 == 0 ? &noise : NULL);
   w->noise = fmax(w->noise, noise);
   return ok;
 }
@@ -160,7 +162,7 @@ static bool attempt(dop853 *w, skf_ode *ode, double h) {
   skf_orbit_add(&w->to.v, &w->to.v_low, v3_scale(h, weigh(a[LAST], w->a, LAST)));
   w->to.t = clock_add(w->from.t, h);
   w->v[LAST] = v3_add(w->to.v, w->to.v_low);
-  return skf_ode_eval(ode, w->to.t, v3_add(w->to.x, w->to.x_low), w->a + LAST, NULL);
+  return skf_ode_feel(ode, w->to.t, v3_add(w->to.x, w->to.x_low), w->v[LAST], w->a + LAST, NULL);
 }
 
 static skf_status step(void *work, skf_ode *ode, const skf_step_control *control, skf_orbit *at, size_t *rejected) {
@@ -223,6 +225,7 @@ static skf_status dense(void *work, skf_ode *ode, skf_path *path) {
 
 const skf_integrator_ops skf_integrator_dop853 = {
     .info = {"dop853", "Dormand-Prince 8(5,3), fewer evaluations at moderate tolerances", 8, 7, true},
+    .takes = SKF_TAKES_DRAG,
     .work_size = sizeof(dop853),
     .begin = begin,
     .step = step,

@@ -111,6 +111,8 @@ skf_status skf_flight_new(const skf_world *world, const skf_flight_options *opti
   if (o.max_step == 0) o.max_step = INFINITY;
   const skf_integrator_ops *ops = skf_integrator_row(o.integrator);
   if (!ops || !sound(&o, ops->info.adaptive)) return SKF_ERR_ARG;
+  if (world->force_count && ops->takes == SKF_TAKES_NONE) return SKF_ERR_UNSUPPORTED;
+  if (world->dragged && ops->takes != SKF_TAKES_DRAG) return SKF_ERR_UNSUPPORTED;
   bool certified = o.approach || (o.contact != SKF_CONTACT_NONE && o.search == SKF_SEARCH_CERTIFIED);
   if (certified && !skf_world_has_bound(world)) return SKF_ERR_UNSUPPORTED;
   if (!isfinite(start->t) || !v3_finite(start->position) || !v3_finite(start->velocity)) return SKF_ERR_RANGE;
@@ -122,7 +124,8 @@ skf_status skf_flight_new(const skf_world *world, const skf_flight_options *opti
   if (!f || !f->work || (o.approach && !f->near)) return skf_flight_free(f), SKF_ERR_NOMEM;
   for (size_t i = 0; i < world->n && f->near; i++) f->near[i].best.f = -INFINITY;
   f->world = world, f->options = o, f->ops = ops;
-  f->ode = (skf_ode){skf_world_force, skf_world_force_many, skf_world_jerk, world, !world->still, skf_isa_pick(), 0};
+  f->ode = (skf_ode){skf_world_force, skf_world_force_many, skf_world_jerk, world->dragged ? skf_world_drag : NULL,
+                     world,           !world->still,        skf_isa_pick(), 0};
   f->orbit = (skf_orbit){.t = {start->t, 0}, .x = start->position, .v = start->velocity};
   f->from = f->orbit.t;
   f->report.h_min = INFINITY;

@@ -78,7 +78,9 @@ static skf_status begin(void *work, skf_ode *ode, const skf_orbit *at, double h)
   gauss_radau *w = work;
   memset(w, 0, sizeof *w);
   w->h = h;
-  return skf_ode_eval(ode, at->t, v3_add(at->x, at->x_low), &w->a0, &w->noise) ? SKF_OK : SKF_ERR_CONVERGENCE;
+  return skf_ode_feel(ode, at->t, v3_add(at->x, at->x_low), v3_add(at->v, at->v_low), &w->a0, &w->noise)
+             ? SKF_OK
+             : SKF_ERR_CONVERGENCE;
 }
 
 /* The last step's polynomial, continued over a step q times as long, and corrected by how far the last prediction was
@@ -108,6 +110,13 @@ static skf_vec3 displacement(const skf_vec3 b[TERMS], skf_vec3 a0, skf_vec3 v, d
 
 static double largest(skf_vec3 a) { return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z))); }
 
+/* v + h s (a0 + sum b_k s^(k+1) / (k+2)) */
+static skf_vec3 velocity(const gauss_radau *w, const skf_vec3 b[TERMS], double h, double s) {
+  skf_vec3 r = {0, 0, 0};
+  for (int k = TERMS; k-- > 0;) r = v3_mad(v3_scale(once[k], b[k]), s, r);
+  return v3_mad(v3_add(w->from.v, w->from.v_low), s * h, v3_mad(w->a0, s, r));
+}
+
 /* One sweep over the nodes. Returns false where the force is not finite. */
 static bool sweep(gauss_radau *w, skf_ode *ode, double h, skf_vec3 b[TERMS], skf_vec3 g[TERMS], double *change,
                   double *size) {
@@ -116,7 +125,8 @@ static bool sweep(gauss_radau *w, skf_ode *ode, double h, skf_vec3 b[TERMS], skf
     skf_vec3 a, x = displacement(b, w->a0, w->from.v, h, node[n]);
     double noise = 0;
     x = v3_add(w->from.x, v3_add(w->from.x_low, v3_mad(x, h * node[n], w->from.v_low)));
-    if (!skf_ode_eval(ode, clock_add(w->from.t, h * node[n]), x, &a, n % 3 == 1 ? &noise : NULL)) return false;
+    skf_vec3 v = ode->drag ? velocity(w, b, h, node[n]) : w->from.v;
+    if (!skf_ode_feel(ode, clock_add(w->from.t, h * node[n]), x, v, &a, n % 3 == 1 ? &noise : NULL)) return false;
     w->noise = fmax(w->noise, noise);
     *size = fmax(*size, largest(a));
     skf_vec3 d = v3_scale(inverse[n][0], v3_sub(a, w->a0));
@@ -203,7 +213,7 @@ static double attempt(gauss_radau *w, skf_ode *ode, double h, double tolerance, 
   w->done = h;
   skf_orbit next = *at;
   finish(w, h, &next);
-  bool finite = skf_ode_eval(ode, next.t, v3_add(next.x, next.x_low), &w->a0, NULL);
+  bool finite = skf_ode_feel(ode, next.t, v3_add(next.x, next.x_low), v3_add(next.v, next.v_low), &w->a0, NULL);
   if (!finite || !meets(w, h, size, tolerance, w->a0)) return *w = before, 0.25;
   return *at = next, q;
 }
@@ -237,6 +247,7 @@ static skf_status dense(void *work, skf_ode *ode, skf_path *path) {
 
 const skf_integrator_ops skf_integrator_gauss_radau = {
     .info = {"gauss-radau", "15th-order Gauss-Radau predictor-corrector, good to rounding over long runs", 15, 9, true},
+    .takes = SKF_TAKES_DRAG,
     .work_size = sizeof(gauss_radau),
     .begin = begin,
     .step = step,

@@ -17,6 +17,8 @@ typedef struct skf_ode {
                double *const a[3], double *noise);
   /* Acceleration and its derivative along the motion. */
   bool (*jerk)(const void *user, skf_clock t, skf_vec3 x, skf_vec3 v, skf_vec3 *a, skf_vec3 *jerk);
+  /* Adds what depends on the velocity; NULL when nothing does. */
+  bool (*drag)(const void *user, skf_clock t, skf_vec3 x, skf_vec3 v, skf_vec3 *a);
   const void *user;
   bool timed; /* the force depends on t; else t may be anything */
   skf_isa isa;
@@ -51,9 +53,13 @@ typedef struct skf_lane {
   skf_status status;
 } skf_lane;
 
+/* Forces that an integrator takes besides gravity. */
+typedef enum skf_takes { SKF_TAKES_NONE, SKF_TAKES_PUSH, SKF_TAKES_DRAG } skf_takes;
+
 /* One file per integrator. `work` is work_size bytes of its own. */
 typedef struct skf_integrator_ops {
   skf_integrator_info info;
+  skf_takes takes;
   size_t work_size;
   /* Forget the past: a new orbit begins; h is a first guess. SKF_ERR_CONVERGENCE when the force is not finite there. */
   skf_status (*begin)(void *work, skf_ode *ode, const skf_orbit *at, double h);
@@ -78,6 +84,11 @@ static inline double skf_step_floor(skf_clock t) { return 64 * 2.220446049250313
 static inline bool skf_ode_eval(skf_ode *ode, skf_clock t, skf_vec3 x, skf_vec3 *a, double *noise) {
   ode->evaluations++;
   return ode->eval(ode->user, t, &x, a, noise);
+}
+
+/* The same where the velocity is known. */
+static inline bool skf_ode_feel(skf_ode *ode, skf_clock t, skf_vec3 x, skf_vec3 v, skf_vec3 *a, double *noise) {
+  return skf_ode_eval(ode, t, x, a, noise) && (!ode->drag || ode->drag(ode->user, t, x, v, a));
 }
 
 /* The polynomial of degree 5 through position, velocity and acceleration at both ends of a step: a path for integrators

@@ -90,6 +90,7 @@ void skf_world_find_symmetry(skf_world *w) {
 skf_invariants skf_world_invariants_at(const skf_world *w, skf_clock t, skf_vec3 p, skf_vec3 v) {
   double magnitude, u = skf_world_potential(w, t, p, &magnitude), kinetic = 0.5 * v3_norm2(v);
   skf_invariants k = {NAN, NAN, NAN, kinetic + magnitude};
+  if (w->force_count) return k;
   if (w->still || w->axial) k.energy = kinetic + u; /* a body that spins about its own symmetry axis does not move */
   if (w->alike && !w->still) {
     const skf_world_body *b = w->bodies;

@@ -111,6 +111,7 @@ static skf_status dense(void *work, skf_ode *ode, skf_path *path) {
 const skf_integrator_ops skf_integrator_rkn12 = {
     .info = {"rkn12", "12(10) Nystrom pair of Dormand, El-Mikkawy and Prince: the fastest without contact", 12, 12,
              true},
+    .takes = SKF_TAKES_PUSH,
     .work_size = sizeof(skf_nystrom),
     .begin = begin,
     .step = step,

@@ -87,6 +87,7 @@ static skf_status dense(void *work, skf_ode *ode, skf_path *path) {
     return compose(&name, work, ode, c, at);                                                                           \
   }                                                                                                                    \
   const skf_integrator_ops skf_integrator_##name = {.info = {title, text, of_order, of_dense, false},                  \
+                                                    .takes = SKF_TAKES_PUSH,                                           \
                                                     .work_size = sizeof(symplectic),                                   \
                                                     .begin = begin,                                                    \
                                                     .step = step_##name,                                               \

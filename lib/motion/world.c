@@ -68,6 +68,11 @@ static skf_status set(skf_world_body *b, const skf_attractor *from) {
 }
 
 skf_status skf_world_new(const skf_attractor *bodies, size_t n, skf_world **out) {
+  return skf_world_new_with(bodies, n, NULL, 0, out);
+}
+
+skf_status skf_world_new_with(const skf_attractor *bodies, size_t n, const skf_force *forces, size_t force_count,
+                              skf_world **out) {
   *out = NULL;
   skf_world *w = skf_alloc(1, sizeof *w);
   if (w) w->bodies = skf_alloc(n, sizeof *w->bodies), w->scout = skf_scout_new(n);
@@ -79,11 +84,13 @@ skf_status skf_world_new(const skf_attractor *bodies, size_t n, skf_world **out)
     w->grainy = w->grainy || isfinite(w->bodies[i].grain);
   }
   skf_world_find_symmetry(w);
+  skf_status s = skf_world_take_forces(w, forces, force_count);
+  if (s) return skf_world_free(w), s;
   return *out = w, SKF_OK;
 }
 
 void skf_world_free(skf_world *w) {
-  if (w) skf_free(w->bodies), skf_scout_free(w->scout);
+  if (w) skf_free(w->forces), skf_free(w->bodies), skf_scout_free(w->scout);
   skf_free(w);
 }
 
@@ -132,7 +139,7 @@ bool skf_world_force(const void *world, skf_clock t, const skf_vec3 *p, skf_vec3
   }
   *a = sum;
   if (noise) *noise = DBL_EPSILON * rough;
-  return v3_finite(sum);
+  return w->force_count ? skf_world_push(w, t, *p, a) : v3_finite(sum);
 }
 
 enum { FEW = 64 };
@@ -197,6 +204,12 @@ void skf_world_force_many(const void *world, size_t n, const double *t_hi, const
     for (size_t i = 0; i < c.n && first; i++) c.a[0][i] = c.a[1][i] = c.a[2][i] = 0;
     for (size_t i = 0; i < c.n && first && noise; i++) c.noise[i] = 0;
     for (size_t i = 0; i < c.n && noise; i++) c.noise[i] *= DBL_EPSILON;
+    for (size_t i = 0; i < c.n && w->force_count; i++) {
+      skf_vec3 sum = v3(c.a[0][i], c.a[1][i], c.a[2][i]);
+      skf_world_push(w, w->still ? (skf_clock){0, 0} : (skf_clock){c.t_hi[i], c.t_lo[i]},
+                     v3(c.p[0][i], c.p[1][i], c.p[2][i]), &sum);
+      c.a[0][i] = sum.x, c.a[1][i] = sum.y, c.a[2][i] = sum.z;
+    }
   }
 }
 

@@ -25,8 +25,11 @@ typedef struct skf_scout skf_scout; /* motion/scout.h */
 struct skf_world {
   size_t n;
   skf_world_body *bodies;
-  bool still;           /* nothing spins */
-  bool grainy;          /* some body's grain is finite */
+  bool still;  /* nothing changes with time */
+  bool grainy; /* some body's grain is finite */
+  skf_force *forces;
+  size_t force_count;
+  bool dragged;         /* some depend on the velocity */
   bool alike;           /* all bodies spin alike: there is a Jacobi constant */
   bool axial;           /* everything is symmetric about one axis, */
   skf_vec3 axis, about; /* this one */
@@ -56,6 +59,12 @@ void skf_world_force_many(const void *world, size_t n, const double *t_hi, const
                           double *const a[3], double *noise);
 /* Acceleration and its time derivative along a motion with velocity v: an skf_ode's `jerk`. False when not finite. */
 bool skf_world_jerk(const void *world, skf_clock t, skf_vec3 p, skf_vec3 v, skf_vec3 *a, skf_vec3 *jerk);
+/* Copies the forces; w->bodies and w->still are set. */
+skf_status skf_world_take_forces(skf_world *w, const skf_force *forces, size_t count);
+/* Adds the forces that do not depend on the velocity (skf_world_force has them), and those that do: an skf_ode's
+   `drag`. False when the sum is not finite. */
+bool skf_world_push(const skf_world *world, skf_clock t, skf_vec3 p, skf_vec3 *a);
+bool skf_world_drag(const void *world, skf_clock t, skf_vec3 p, skf_vec3 v, skf_vec3 *a);
 /* Potential energy per unit mass, and the sum of its terms' magnitudes. */
 double skf_world_potential(const skf_world *world, skf_clock t, skf_vec3 p, double *magnitude);
 /* Velocity of the material at an inertial point. */

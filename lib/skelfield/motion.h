@@ -65,17 +65,49 @@ typedef struct skf_attractor {
   skf_spin spin;
 } skf_attractor;
 
+/* What else accelerates particles, in the inertial frame. */
+typedef enum skf_force_type {
+  SKF_FORCE_PUSH,         /* a = push: the radiation pressure of a far source on a ball, a uniform field */
+  SKF_FORCE_DRAG,         /* a = -k d (v - u) */
+  SKF_FORCE_DRAG_SQUARED, /* a = -k d |v - u| (v - u) */
+  SKF_FORCE_USER          /* a = what `eval` gives */
+} skf_force_type;
+
+#define SKF_FORCE_AT_REST ((size_t)-1)
+
+/* The medium that drags has velocity u, that of the material of a body that turns, or 0; and density d, 1 everywhere or
+   exp(-(|p - center| - radius) / scale_height), `center` being in that body's frame. */
+typedef struct skf_force {
+  skf_force_type type;
+  skf_vec3 push;       /* [L/T^2] */
+  double k;            /* >= 0 [1/T], squared: [1/L] */
+  size_t body;         /* that the medium turns with, or SKF_FORCE_AT_REST */
+  double scale_height; /* 0: the same density everywhere [L] */
+  double radius;       /* where it is 1 [L] */
+  skf_vec3 center;
+  /* Called on several threads at once; not finite where the force is not known. v is set only where `velocity` says
+     that the force depends on it. */
+  void (*eval)(const void *user, double t, skf_vec3 p, skf_vec3 v, skf_vec3 *a);
+  const void *user;
+  bool velocity;
+} skf_force;
+
 /* Immutable, safe to share between threads. */
 typedef struct skf_world skf_world;
 
 /* Copies the bodies. SKF_ERR_ARG without a field, SKF_ERR_RANGE for numbers that are not finite, SKF_ERR_DEGENERATE for
    a spin without an axis, SKF_ERR_NOMEM. */
 SKF_API skf_status skf_world_new(const skf_attractor *bodies, size_t n, skf_world **out);
+/* The same with other forces, which are copied; SKF_ERR_ARG also for a body, a type or a callback that is not there.
+   Where there are any, no constant of the motion is known. Forces that depend on the velocity need an integrator that
+   takes them, see skf_flight_new; resting and sliding contact does not feel those. */
+SKF_API skf_status skf_world_new_with(const skf_attractor *bodies, size_t n, const skf_force *forces,
+                                      size_t force_count, skf_world **out);
 SKF_API void skf_world_free(skf_world *world);
 SKF_API size_t skf_world_size(const skf_world *world);
 
-/* Acceleration [L/T^2] and potential energy per unit mass [L^2/T^2] in the inertial frame at time t; a may be NULL,
-   and is NAN where the force is not finite. */
+/* Acceleration [L/T^2], drag not in it, and potential energy per unit mass [L^2/T^2] in the inertial frame at time t; a
+   may be NULL, and is NAN where the force is not finite. */
 SKF_API double skf_world_at(const skf_world *world, double t, skf_vec3 p, skf_vec3 *a);
 
 /* From the inertial frame to the frame of a body at time t, and back. */
@@ -160,7 +192,8 @@ typedef struct skf_flight_report {
 typedef struct skf_flight skf_flight;
 
 /* SKF_ERR_ARG for an unknown integrator or options out of range, SKF_ERR_RANGE for a start that is not finite,
-   SKF_ERR_UNSUPPORTED for certified contact and for approaches where a body's field has no bounds
+   SKF_ERR_UNSUPPORTED for forces that depend on the velocity with an integrator other than gauss-radau and dop853, for
+   any forces with hermite4, and for certified contact and for approaches where a body's field has no bounds
    (skf_field_has_bound). */
 SKF_API skf_status skf_flight_new(const skf_world *world, const skf_flight_options *options, const skf_state *start,
                                   skf_flight **out);
