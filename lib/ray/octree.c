@@ -8,11 +8,11 @@
 #include <string.h>
 
 /* A leaf is a cell in which the gradient turns by no more than this part of itself, */
-#define FLAT 1.5
+#define FLAT 0.8
 /* or which is this many halvings smaller than the cube. */
 #define LEVELS 14
 /* Or there are but few blobs, none of them with R below the cell's edge divided by this. */
-#define COARSE 1
+#define COARSE 3
 /* Rounding of places, relative to a cell's radius, that its bounds allow for. */
 #define SLACK 1e-8
 
@@ -49,8 +49,11 @@ static void *take(skf_octree *t, size_t bytes) {
   return p;
 }
 
+static double square(double x) { return x * x; }
+
 bool skf_octree_add(const skf_octree *t, uint32_t i, skf_vec3 c, double radius, skf_outlook *o) {
   const skf_source *s = t->sources + i;
+  if (v3_norm2(v3_sub(c, s->middle)) * (1 - 1e-12) > square(s->end + radius)) return false;
   double d = skf_source_distance(s, c), w = fmax(fabs(s->least), fabs(s->most));
   skf_grade g = skf_source_grade(s, fmax(d * (1 - 1e-12) - radius, 0), d * (1 + 1e-12) + radius);
   if (s->disc && d < s->reach) g.below = fmax(g.below, skf_source_disc(s, c, radius));
@@ -74,8 +77,6 @@ typedef struct cube {
   skf_vec3 center;
   double half, radius;
 } cube;
-
-static double square(double x) { return x * x; }
 
 /* Adds a blob to the values, the cheapest part; false when it is out of reach. */
 static bool add_blob(const skf_blob *b, const cube *c, outlook *o) {

@@ -76,33 +76,38 @@ static void meet(skf_packet *p, skf_cell c, const span *s, unsigned lanes) {
   }
 }
 
-/* The half of a span before or behind the middle along axis i. */
-SKF_INLINE void cut(const skf_packet *p, const span *s, int i, double middle, bool behind, span *out) {
+/* Where the lanes pass a middle along axis i. */
+SKF_INLINE void pass(const skf_packet *p, int i, double middle, skf_vd t[VECTORS]) {
+  for (int v = 0; v < p->vectors; v++)
+    t[v] = (vd_set(middle) - vd_load(p->o[i] + SKF_LANES * v)) * vd_load(p->per[i] + SKF_LANES * v);
+}
+
+/* The half of a span before or behind it; returns whether anything is left. */
+SKF_INLINE unsigned cut(const skf_packet *p, const span *s, const skf_vd t[VECTORS], bool behind, span *out) {
   for (int v = 0; v < p->vectors; v++) {
-    skf_vd t = (vd_set(middle) - vd_load(p->o[i] + SKF_LANES * v)) * vd_load(p->per[i] + SKF_LANES * v);
-    out->a[v] = behind ? vd_max(s->a[v], t) : s->a[v];
-    out->b[v] = behind ? s->b[v] : vd_min(s->b[v], t);
+    out->a[v] = behind ? vd_max(s->a[v], t[v]) : s->a[v];
+    out->b[v] = behind ? s->b[v] : vd_min(s->b[v], t[v]);
   }
+  return lanes_of(p, out);
 }
 
 /* In the order in which rays that go forwards in all coordinates come to the children. */
 static void descend(skf_packet *p, skf_branch *branch, const span *all) {
   skf_octree *tree = p->tracer->tree;
-  for (int z = 0; z < 2; z++) {
-    span of_z;
-    cut(p, all, 2, branch->middle.z, z, &of_z);
-    if (!lanes_of(p, &of_z)) continue;
-    for (int y = 0; y < 2; y++) {
-      span of_y;
-      cut(p, &of_z, 1, branch->middle.y, y, &of_y);
-      if (!lanes_of(p, &of_y)) continue;
-      for (int x = 0; x < 2; x++) {
-        span s;
-        cut(p, &of_y, 0, branch->middle.x, x, &s);
-        unsigned lanes = lanes_of(p, &s);
-        if (lanes) meet(p, skf_octree_child(tree, branch, (x | y << 1 | z << 2) ^ p->backwards), &s, lanes);
-      }
+  skf_vd tx[VECTORS], ty[VECTORS], tz[VECTORS];
+  span of_z, of_y, s;
+  pass(p, 0, branch->middle.x, tx), pass(p, 1, branch->middle.y, ty), pass(p, 2, branch->middle.z, tz);
+  for (int k = 0; k < 8; k++) {
+    if (!(k & 3) && !cut(p, all, tz, k & 4, &of_z)) {
+      k += 3;
+      continue;
     }
+    if (!(k & 1) && !cut(p, &of_z, ty, k & 2, &of_y)) {
+      k += 1;
+      continue;
+    }
+    unsigned lanes = cut(p, &of_y, tx, k & 1, &s);
+    if (lanes) meet(p, skf_octree_child(tree, branch, k ^ p->backwards), &s, lanes);
   }
 }
 

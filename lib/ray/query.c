@@ -10,6 +10,15 @@ static double smaller(double a, double b) { return a < b ? a : b; }
 
 static double largest(skf_vec3 a) { return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z))); }
 
+/* v3_unit, to the bit */
+static skf_vec3 unit(skf_vec3 a) {
+  double m = largest(a);
+  if (!(m > 0)) return a;
+  a = v3(a.x / m, a.y / m, a.z / m);
+  double n = v3_norm(a);
+  return v3(a.x / n, a.y / n, a.z / n);
+}
+
 /* The part of the ray inside the region. */
 static bool clip(const skf_tracer *t, const skf_walk *w, double *from, double *to) {
   if (t->reach == SKF_ERR_EMPTY) return false;
@@ -112,7 +121,7 @@ typedef struct candidate {
 
 /* Answers what needs no octree; *left tells that it does. */
 static skf_status begin(question *q, const skf_ray *ray, void *user, candidate *c, bool *left, int *last) {
-  skf_walk w = {.tracer = q->tracer, .origin = ray->origin, .direction = v3_unit(ray->direction)};
+  skf_walk w = {.tracer = q->tracer, .origin = ray->origin, .direction = unit(ray->direction)};
   double from = ray->t_min, to = ray->t_max;
   bool valid = v3_finite(w.origin) && v3_finite(ray->direction) && v3_norm2(w.direction) > 0;
   *left = false, *last = q->tracer->iso < 0 ? 1 : -1; /* what is outside of the region */
@@ -198,7 +207,7 @@ static skf_status end(const question *q, skf_status s, skf_ray_report *report) {
 
 static skf_hit hit_at(skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
   skf_knot k = skf_walk_polish(w, a, b, guess);
-  return (skf_hit){k.t, k.at, v3_unit(v3_sub(v3(0, 0, 0), k.gradient)), b->f > a->f};
+  return (skf_hit){k.t, k.at, unit(v3_sub(v3(0, 0, 0), k.gradient)), b->f > a->f};
 }
 
 typedef struct collector {

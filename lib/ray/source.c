@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "core/vec3.h"
 #include "field/bound.h"
+#include "field/kernel.h"
 #include "field/solid.h"
 #include "skeleton/shape.h"
 #include <float.h>
@@ -87,6 +88,7 @@ skf_status skf_source_init(const skf_element *element, skf_source *s) {
     s->middle = box_center(b);
     s->reach = fmin(0.5 * box_diagonal(b), skf_primitive_distance_max(p, s->middle)) * (1 + 1e-12);
   }
+  s->end = (s->reach + skf_kernel_end(element->kernel)) * (1 + 1e-12);
   frame(s);
   return p->shape == SKF_PLANE || p->shape == SKF_POINT ? SKF_OK : tabulate(s);
 }

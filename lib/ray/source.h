@@ -20,6 +20,7 @@ typedef struct skf_source {
   double least, most;    /* of strength times profile: weight without one */
   double measure, reach; /* of the primitive; a ball around `middle` holds it */
   skf_vec3 middle;
+  double end; /* at this distance from the middle and beyond there is no field */
   /* frame of the distance: segment: from, direction, length; arc: e, f, n; plane: through, normal */
   skf_vec3 a, b, c;
   double length, cosine;

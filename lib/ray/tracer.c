@@ -63,9 +63,24 @@ static skf_status negative(const skf_field *field, skf_field **out) {
   return s;
 }
 
+/* Many blobs: the octree trims what sticks out of this at once. */
+static bool reach_of_blobs(const skf_tracer *t, skf_box *out) {
+  enum { MANY = 40 };
+  *out = box_empty();
+  if (!(t->iso > 0) || t->n < MANY) return false;
+  for (size_t i = 0; i < t->n; i++) {
+    const skf_blob *b = t->blobs + i;
+    if (!(b->per > 0)) return false;
+    *out = box_join(*out, box_grow((skf_box){b->at, b->at}, b->R));
+  }
+  return true;
+}
+
 /* Where the surface can be: iso < 0 is the surface of the negated field. */
 static skf_status find_region(skf_tracer *t) {
-  if (t->iso >= 0) {
+  if (reach_of_blobs(t, &t->region)) {
+    t->reach = SKF_OK;
+  } else if (t->iso >= 0) {
     t->reach = skf_field_region(t->field, t->iso, &t->region);
   } else {
     skf_field *f;
@@ -113,11 +128,11 @@ static skf_status fill(skf_tracer *t) {
   if (!t->sources) return SKF_ERR_NOMEM;
   if ((s = add_sources(t, true, &first, &mixed)) || (s = add_sources(t, false, &first, &mixed))) return s;
   if (mixed && ((s = subfield(t->field, 1, &t->plus)) || (s = subfield(t->field, -1, &t->minus)))) return s;
+  if (!(t->blobs = skf_alloc(t->n, sizeof *t->blobs))) return SKF_ERR_NOMEM;
+  for (size_t i = 0; i < t->n; i++) t->blobs[i] = skf_blob_of(&t->sources[i].element);
   s = find_region(t);
   /* the octree takes sources for elements: none may have been left out */
   if (s || t->reach != SKF_OK || t->linear || t->n != skf_field_size(t->field) || hides_signs(t)) return s;
-  if (!(t->blobs = skf_alloc(t->n, sizeof *t->blobs))) return SKF_ERR_NOMEM;
-  for (size_t i = 0; i < t->n; i++) t->blobs[i] = skf_blob_of(skf_field_element(t->field, i));
   return skf_octree_new(t->field, t->sources, t->blobs, t->n, t->iso, t->noise, t->region, &t->tree);
 }
 

@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays of a camera on bodies of many elements. It only reports. */
+/* Rays of a camera on bodies of many elements: nanoseconds a ray on one thread, what two threads gain, what silhouettes
+   cost. It only reports.
+     bench_ray [SIZE [SCENE]]   SIZE x SIZE pixels of each scene
+     bench_ray --pov DIR        writes the scenes that POV-Ray can draw there; see povray.sh */
 #include "scenes.h"
+#include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,56 +12,148 @@
 
 enum { RUNS = 5, ROOM = 8000 };
 
+typedef struct picture {
+  int size;
+  size_t n;
+  skf_ray *rays;
+  skf_hit *hits;
+  bool *found;
+} picture;
+
 static double cpu(void) {
   struct timespec t;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static void frame(const skf_tracer *t, const skf_ray *rays, size_t n, skf_hit *hits, bool *found, skf_ray_report *r) {
-  if (getenv("ONE"))
-    for (size_t i = 0; i < n; i++) skf_tracer_first(t, rays + i, hits + i, found + i, r);
-  else
-    skf_tracer_first_many(t, n, rays, hits, found, r);
+static int compare(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+static double median(double *x, size_t n) {
+  qsort(x, n, sizeof *x, compare);
+  return n ? x[n / 2] : NAN;
+}
+
+/* The median cost of pixels that have a neighbour across the outline, by that of all pixels with a hit. */
+static double outline(const skf_tracer *t, const picture *p) {
+  double *cost = malloc(p->n * sizeof *cost), *edge = malloc(p->n * sizeof *edge), *hit = malloc(p->n * sizeof *hit);
+  size_t edges = 0, hits = 0, m = (size_t)p->size;
+  if (!cost || !edge || !hit) exit(1);
+  for (size_t i = 0; i < p->n; i++) cost[i] = INFINITY;
+  for (int run = 0; run < RUNS; run++)
+    for (size_t i = 0; i < p->n; i++) {
+      double start = omp_get_wtime();
+      skf_tracer_first(t, p->rays + i, p->hits + i, p->found + i, NULL);
+      cost[i] = fmin(cost[i], omp_get_wtime() - start);
+    }
+  for (size_t i = m; i + m < p->n; i++) {
+    bool is = p->found[i];
+    if (is) hit[hits++] = cost[i];
+    if (is != p->found[i - 1] || is != p->found[i + 1] || is != p->found[i - m] || is != p->found[i + m])
+      edge[edges++] = cost[i];
+  }
+  double ratio = median(edge, edges) / median(hit, hits);
+  free(cost), free(edge), free(hit);
+  return ratio;
+}
+
+static double two_threads(const skf_tracer *t, const picture *p) {
+  double best[2] = {INFINITY, INFINITY};
+  for (int run = 0; run < 2 * RUNS; run++) {
+    omp_set_num_threads(1 + run % 2);
+    double start = omp_get_wtime();
+    skf_tracer_first_many(t, p->n, p->rays, p->hits, p->found, NULL);
+    best[run % 2] = fmin(best[run % 2], omp_get_wtime() - start);
+  }
+  omp_set_num_threads(1);
+  return best[0] / best[1];
 }
 
 static void report(const bench_scene *s, int size) {
-  size_t n = (size_t)size * (size_t)size, hit = 0;
-  skf_ray *rays = malloc(n * sizeof *rays);
-  skf_hit *hits = malloc(n * sizeof *hits);
-  bool *found = malloc(n);
+  picture p = {.size = size, .n = (size_t)size * (size_t)size};
+  size_t hit = 0;
+  p.rays = malloc(p.n * sizeof *p.rays), p.hits = malloc(p.n * sizeof *p.hits), p.found = malloc(p.n);
   skf_field *f = NULL;
   skf_tracer *t = NULL;
-  if (!rays || !hits || !found || skf_field_new(s->elements, s->count, &f)) exit(1);
+  if (!p.rays || !p.hits || !p.found || skf_field_new(s->elements, s->count, &f)) exit(1);
   for (int y = 0; y < size; y++)
-    for (int x = 0; x < size; x++) rays[y * size + x] = bench_ray(s, size, x, y);
+    for (int x = 0; x < size; x++) p.rays[y * size + x] = bench_ray(s, size, x, y);
   double make = cpu(), cold = INFINITY, warm = INFINITY;
   if (skf_tracer_new(f, s->iso, &t)) exit(1);
   make = cpu() - make;
   skf_ray_report cost;
+  omp_set_num_threads(1);
   for (int run = 0; run < RUNS; run++) {
     memset(&cost, 0, sizeof cost);
     double start = cpu();
-    frame(t, rays, n, hits, found, &cost);
+    skf_tracer_first_many(t, p.n, p.rays, p.hits, p.found, &cost);
     double took = cpu() - start;
     if (run == 0)
       cold = took;
     else if (took < warm)
       warm = took;
   }
-  for (size_t i = 0; i < n; i++) hit += found[i];
-  double per = 1 / (double)n;
-  printf("%-10s %5zu elements, %4.1f %% hit; made in %5.1f ms, first frame %6.0f ns/ray, then %6.0f ns/ray; "
-         "%.2f cells, %.2f evaluations a ray, %zu grazing\n",
-         s->name, s->count, 100 * per * (double)hit, 1e3 * make, 1e9 * per * cold, 1e9 * per * warm,
-         per * (double)cost.cells, per * (double)cost.evaluations, cost.grazing);
+  for (size_t i = 0; i < p.n; i++) hit += p.found[i];
+  double per = 1 / (double)p.n;
+  printf("%-10s made %6.1f ms, first frame %6.3f s, then %6.3f s = %5.0f ns/ray; %4.1f %% hit, %.2f cells, "
+         "%.2f evaluations a ray, %zu grazing; ",
+         s->name, 1e3 * make, cold, warm, 1e9 * per * warm, 100 * per * (double)hit, per * (double)cost.cells,
+         per * (double)cost.evaluations, cost.grazing);
+  printf("outline / median %.2f, two threads %.2f\n", outline(t, &p), two_threads(t, &p));
+  fflush(stdout);
   skf_tracer_free(t);
   skf_field_free(f);
-  free(rays), free(hits), free(found);
+  free(p.rays), free(p.hits), free(p.found);
+}
+
+/* Blobs of the same kernel, cylinders in place of segments, an isosurface in place of sums of 1 / r. */
+static void write_pov(const bench_scene *s, FILE *o) {
+  fprintf(o, "#version 3.7;\nglobal_settings { assumed_gamma 1 max_trace_level 1 }\n#include \"functions.inc\"\n");
+  fprintf(o, "camera { location <%g,%g,%g> up y right x angle 40 look_at <%g,%g,%g> }\n", s->from.x, s->from.y,
+          s->from.z, s->to.x, s->to.y, s->to.z);
+  fprintf(o, "light_source { <6,8,-8> rgb 1 shadowless }\n");
+  bool inverse = s->elements->kernel.type == SKF_INVERSE;
+  double size = 0;
+  if (inverse)
+    fprintf(o, "isosurface { function { %.9g/(0", s->iso);
+  else
+    fprintf(o, "blob { threshold %g\n", s->iso);
+  for (size_t i = 0; i < s->count; i++) {
+    const skf_element *e = s->elements + i;
+    skf_vec3 a = e->primitive.point.at, b = e->primitive.segment.to;
+    size = fmax(size, v3_norm(a));
+    if (inverse)
+      fprintf(o, "+%.9g/f_r(x-(%.9g),y-(%.9g),z-(%.9g))", e->strength, a.x, a.y, a.z);
+    else if (e->primitive.shape == SKF_POINT)
+      fprintf(o, "sphere { <%.9g,%.9g,%.9g>, %.9g, 1 }\n", a.x, a.y, a.z, e->kernel.param);
+    else
+      fprintf(o, "cylinder { <%.9g,%.9g,%.9g>, <%.9g,%.9g,%.9g>, %.9g, 1 }\n", a.x, a.y, a.z, b.x, b.y, b.z,
+              e->kernel.param);
+  }
+  if (inverse) fprintf(o, ") - 1 } contained_by { sphere { 0, %.9g } } accuracy 0.0001 max_gradient 1.7\n", size + 0.7);
+  fprintf(o, "pigment { rgb <0.8,0.6,0.3> } finish { ambient 0.15 diffuse 0.8 } }\n");
+}
+
+static int write_all(const char *where) {
+  static skf_element room[ROOM];
+  for (int k = 0; k < BENCH_SCENES; k++) {
+    bench_scene s = bench_scene_make(k, room, ROOM);
+    if (s.elements->kernel.type == SKF_CAUCHY) continue;
+    char name[4096];
+    snprintf(name, sizeof name, "%s/%s.pov", where, s.name);
+    FILE *o = fopen(name, "w");
+    if (!o) return perror(name), 1;
+    write_pov(&s, o);
+    if (fclose(o)) return perror(name), 1;
+  }
+  return 0;
 }
 
 int main(int argc, char **argv) {
   static skf_element room[ROOM];
+  if (argc > 2 && !strcmp(argv[1], "--pov")) return write_all(argv[2]);
   for (int k = 0; k < BENCH_SCENES; k++) {
     bench_scene s = bench_scene_make(k, room, ROOM);
     if (argc > 2 && strcmp(argv[2], s.name)) continue;
