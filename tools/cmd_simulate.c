@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* skelfield simulate: particles in the gravity of a scene's bodies. */
 #include "launch.h"
+#include "run_bodies.h"
 #include "run_summary.h"
 #include "trajectory.h"
 #include <math.h>
@@ -71,6 +72,7 @@ static bool to_stdout(const char *path) { return !path || strcmp(path, "-") == 0
 
 static int check(const cli *c, const skf_scene *scene) {
   const char *path = cli_operand(c, 0), *contacts = cli_value(c, "contacts"), *out = cli_value(c, "output");
+  if (cli_given(c, "bodies")) return cli_fail(CLI_BAD, "%s: no body moves, expected motion for --bodies", path);
   if (!scene->simulation.given)
     return cli_fail(CLI_BAD, "%s: no simulation, expected one with t_end and output_every", path);
   if (scene->particle_count == 0) return cli_fail(CLI_BAD, "%s: no particles, expected at least one", path);
@@ -176,7 +178,7 @@ static int run_with(const cli *c, const skf_scene *scene) {
 static int run(cli *c) {
   skf_scene *scene;
   int status = cli_scene(cli_operand(c, 0), &scene);
-  if (status == CLI_DONE) status = run_with(c, scene);
+  if (status == CLI_DONE) status = bodies_move(scene) ? run_bodies(c, scene) : run_with(c, scene);
   skf_scene_free(scene);
   return status;
 }
@@ -185,6 +187,7 @@ static const cli_option options[] = {
     {'o', "output", "FILE", "the trajectory, .csv or .h5 (default: CSV on stdout)"},
     {'c', "contacts", "FILE", "the contact log, CSV"},
     {'g', "ground-track", "BODY", "add lat, lon [deg] and height over this body's ellipsoid, in its turning frame"},
+    {'b', "bodies", "FILE", "rows of the bodies that move, CSV (default: stdout)"},
     {'j', "json", NULL, "print the summary as JSON on stdout"},
 };
 
@@ -195,7 +198,7 @@ const cli_command cmd_simulate = {
     1,
     options,
     sizeof options / sizeof *options,
-    "in:  a scene with particles and a simulation\n"
+    "in:  a scene with particles, or bodies that have `motion`, and a simulation\n"
     "out: t,particle,x,y,z,vx,vy,vz at t = 0, output_every, ..., t_end, by time, then particle; inertial frame.\n"
     "     HDF5: t (T), position and velocity (T, N, 3), place (T, N, 3), particles, bodies, contacts, scene\n"
     "contacts: t,particle,body,x,y,z,nx,ny,nz,vx,vy,vz,outcome: the first point where a path enters a body, the\n"
@@ -211,6 +214,11 @@ const cli_command cmd_simulate = {
     "     A particle that starts inside of a body flies freely until it leaves it.\n"
     "search: certified misses no contact and invents none, up to rounding; fast takes eight samples in a step and\n"
     "     promises nothing for what is thinner\n"
+    "bodies: t,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz: center of mass, attitude (a quaternion; a point p of the\n"
+    "     scene is at x + R (p - x at t = 0)), velocity, angular velocity, all inertial. Bodies attract each other\n"
+    "     (gravity: {G}), collide with restitution and friction, and their contacts are rows of\n"
+    "     t,body,other,x,y,z,nx,ny,nz,jx,jy,jz,closing: place, normal and impulse towards the other, speed of "
+    "approach\n"
     "launch: a start on a body's ellipsoid; its speed is relative to the turning ground.\n"
     "example: skelfield simulate data/donut.yaml -o orbits.csv --contacts contacts.csv",
     run};

@@ -34,6 +34,19 @@ static skf_status read_spin(skf_reader *r, const skf_node *map, void *into) {
   return s || v3_norm(v3_unit(spin->axis)) > 0 ? s : zero_vector(r, map, "axis");
 }
 
+static const skf_key motion_keys[] = {
+    {"velocity", "L/T", "of the center of mass at t = 0 (default: 0)", SKF_KEY_VECTOR, false,
+     .offset = offsetof(draft, body.velocity)},
+    {"angular_velocity", "rad/T", "at t = 0, inertial frame (default: 0)", SKF_KEY_VECTOR, false,
+     .offset = offsetof(draft, body.angular_velocity)},
+};
+const skf_section skf_section_motion = {"motion", "a rigid body's start; it is attracted and collides", motion_keys, 2};
+
+static skf_status read_motion(skf_reader *r, const skf_node *map, void *into) {
+  ((draft *)into)->body.moves = true;
+  return skf_read_map(r, map, &skf_section_motion, into, NULL);
+}
+
 static const skf_key ellipsoid_keys[] = {
     {"equatorial", "L", "semi-axis of the equator", SKF_KEY_NUMBER, true, .offset = offsetof(skf_ellipsoid, equatorial),
      .range = &skf_positive},
@@ -84,6 +97,7 @@ enum {
   KEY_MASS,
   KEY_DENSITY,
   KEY_SPIN,
+  KEY_MOTION,
   KEY_SKELETON,
   KEY_ELLIPSOID,
   KEY_COLOR,
@@ -104,6 +118,8 @@ static const skf_key body_keys[KEYS] = {
     [KEY_DENSITY] = {"density", "M/measure", "negative repels (default: 1)", SKF_KEY_NUMBER, false,
                      offsetof(draft, body.density)},
     [KEY_SPIN] = {"spin", NULL, "uniform rotation", SKF_KEY_OTHER, .read = read_spin, .form = "{axis, rate, about}"},
+    [KEY_MOTION] = {"motion", NULL, "it moves as a rigid body (default: fixed)", SKF_KEY_OTHER, .read = read_motion,
+                    .form = "{velocity, angular_velocity}"},
     [KEY_SKELETON] = {"skeleton", NULL, "its primitives", SKF_KEY_OTHER, true, .read = keep_skeleton,
                       .form = "a list of primitives"},
     [KEY_ELLIPSOID] = {"ellipsoid", NULL, "for surface coordinates", SKF_KEY_OTHER, .read = read_ellipsoid,

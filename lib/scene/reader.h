@@ -59,7 +59,7 @@ typedef struct skf_section {
 
 /* Every section with a fixed table, for the help and the tests; NULL after the last. */
 extern const skf_section *const skf_sections[];
-extern const skf_section skf_section_scene, skf_section_gravity, skf_section_body, skf_section_spin,
+extern const skf_section skf_section_scene, skf_section_gravity, skf_section_body, skf_section_spin, skf_section_motion,
     skf_section_ellipsoid, skf_section_particle, skf_section_launch, skf_section_grid, skf_section_disc,
     skf_section_shell, skf_section_maxwellian, skf_section_simulation, skf_section_camera, skf_section_light,
     skf_section_area, skf_section_animate, skf_section_fog, skf_section_background;

@@ -72,13 +72,17 @@ static const skf_key scene_keys[KEYS] = {
 };
 const skf_section skf_section_scene = {"scene", "the whole file", scene_keys, KEYS};
 
-const skf_section *const skf_sections[] = {&skf_section_scene,      &skf_section_gravity,    &skf_section_material,
-                                           &skf_section_body,       &skf_section_spin,       &skf_section_ellipsoid,
-                                           &skf_section_particle,   &skf_section_launch,     &skf_section_grid,
-                                           &skf_section_disc,       &skf_section_shell,      &skf_section_maxwellian,
-                                           &skf_section_simulation, &skf_section_camera,     &skf_section_light,
-                                           &skf_section_area,       &skf_section_background, &skf_section_fog,
-                                           &skf_section_texture,    &skf_section_animate,    NULL};
+const skf_section *const skf_sections[] = {&skf_section_scene,      &skf_section_gravity,
+                                           &skf_section_material,   &skf_section_body,
+                                           &skf_section_spin,       &skf_section_motion,
+                                           &skf_section_ellipsoid,  &skf_section_particle,
+                                           &skf_section_launch,     &skf_section_grid,
+                                           &skf_section_disc,       &skf_section_shell,
+                                           &skf_section_maxwellian, &skf_section_simulation,
+                                           &skf_section_camera,     &skf_section_light,
+                                           &skf_section_area,       &skf_section_background,
+                                           &skf_section_fog,        &skf_section_texture,
+                                           &skf_section_animate,    NULL};
 
 static size_t hash(const char *text) {
   uint64_t h = 14695981039346656037u; /* FNV-1a */

@@ -32,6 +32,8 @@ typedef struct skf_body {
   double mass, density; /* mass [M] if has_mass; density as given or 1 */
   double rho;           /* density in force: mass / sum of w mu (0 when a plane makes that infinite), or density */
   skf_spin spin;
+  bool moves; /* as a rigid body, from these velocities on: of its center of mass, and angular; at t = 0, inertial */
+  skf_vec3 velocity, angular_velocity;
   skf_ellipsoid ellipsoid;
   double color[3]; /* linear RGB in [0, 1]; of looks[0], too */
   size_t look_count;
