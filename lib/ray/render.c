@@ -122,9 +122,11 @@ static bool uneven(const render *r, int x, int y) {
 
 static void sight_row(render *r, int y) {
   int w = r->s->width;
-  for (int x = 0; x < w; x++) {
-    skf_beam beam = camera_beam(r, x + 0.5, y + 0.5);
-    r->sights[(size_t)y * w + x] = skf_look_along(&r->stage, &beam, NULL);
+  for (int from = 0; from < w; from += SKF_MANY) {
+    skf_beam beams[SKF_MANY];
+    int n = w - from < SKF_MANY ? w - from : SKF_MANY;
+    for (int i = 0; i < n; i++) beams[i] = camera_beam(r, from + i + 0.5, y + 0.5);
+    skf_look_many(&r->stage, (size_t)n, beams, r->sights + (size_t)y * w + from);
   }
 }
 

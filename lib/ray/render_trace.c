@@ -2,6 +2,16 @@
 /* Rays of the renderer: what they meet, what light reaches it, and what comes back along them. */
 #include "ray/render.h"
 
+/* A body that many rays can be traced against at once. */
+static bool plain(const skf_render_body *b) { return !b->offsets && b->angle == 0 && b->sweep == 0; }
+
+static skf_sight seen(const skf_hit *hit, const skf_beam *beam, int body) {
+  skf_sight at = {.body = body, .t = hit->t, .at = hit->at, .normal = hit->normal, .own = hit->at, .time = beam->time};
+  at.inside = v3_dot(at.normal, beam->direction) > 0;
+  if (at.inside) at.normal = v3_scale(-1, at.normal);
+  return at;
+}
+
 /* The first surface of one body beyond the ray's start, before *t. */
 static bool meet(const skf_render_body *b, const skf_beam *beam, skf_sight *best, int index, skf_ray_report *report) {
   bool turned = b->angle != 0 || b->sweep != 0, found = false;
@@ -19,27 +29,54 @@ static bool meet(const skf_render_body *b, const skf_beam *beam, skf_sight *best
   else if (skf_tracer_first(b->tracer, &ray, &hit, &found, report))
     found = false;
   if (!found || !(hit.t < best->t)) return false;
-  *best = (skf_sight){.body = index, .t = hit.t, .at = hit.at, .normal = hit.normal, .own = hit.at, .item = item};
-  best->time = beam->time;
+  skf_vec3 own = hit.at;
   if (turned) {
-    best->at = v3_mad(beam->from, hit.t, beam->direction);
-    best->normal = skf_body_world(b, beam->time, hit.normal, false);
+    hit.at = v3_mad(beam->from, hit.t, beam->direction);
+    hit.normal = skf_body_world(b, beam->time, hit.normal, false);
   }
-  best->inside = v3_dot(best->normal, beam->direction) > 0;
-  if (best->inside) best->normal = v3_scale(-1, best->normal);
+  *best = seen(&hit, beam, index);
+  best->own = own, best->item = item;
   return true;
 }
 
-skf_sight skf_look_along(const skf_stage *g, const skf_beam *beam, skf_ray_report *report) {
-  const skf_render_scene *s = g->s;
-  skf_sight best = {.body = SKF_NOTHING, .t = INFINITY, .time = beam->time};
-  for (size_t i = 0; i < s->body_count; i++) meet(s->bodies + i, beam, &best, (int)i, report);
+/* The floor, where nothing else is. */
+static skf_sight or_ground(const skf_render_scene *s, const skf_beam *beam, skf_sight best) {
   if (best.body != SKF_NOTHING || !s->ground) return best;
   skf_vec3 n = v3_unit(s->ground_normal);
   double t = v3_dot(v3_sub(s->ground_at, beam->from), n) / v3_dot(beam->direction, n);
   if (!(t > 0) || !isfinite(t) || v3_dot(beam->direction, n) > 0) return best;
   skf_vec3 at = v3_mad(beam->from, t, beam->direction);
   return (skf_sight){.body = SKF_GROUND, .t = t, .at = at, .own = at, .normal = n, .time = beam->time};
+}
+
+skf_sight skf_look_along(const skf_stage *g, const skf_beam *beam, skf_ray_report *report) {
+  const skf_render_scene *s = g->s;
+  skf_sight best = {.body = SKF_NOTHING, .t = INFINITY, .time = beam->time};
+  for (size_t i = 0; i < s->body_count; i++) meet(s->bodies + i, beam, &best, (int)i, report);
+  return or_ground(s, beam, best);
+}
+
+void skf_look_many(const skf_stage *g, size_t n, const skf_beam *beams, skf_sight *out) {
+  const skf_render_scene *s = g->s;
+  for (size_t k = 0; k < n; k++) out[k] = (skf_sight){.body = SKF_NOTHING, .t = INFINITY, .time = beams[k].time};
+  for (size_t i = 0; i < s->body_count; i++)
+    for (size_t from = 0; from < n; from += SKF_MANY) {
+      skf_ray rays[SKF_MANY];
+      skf_hit hits[SKF_MANY];
+      bool found[SKF_MANY];
+      size_t m = n - from < SKF_MANY ? n - from : SKF_MANY;
+      if (!plain(s->bodies + i)) {
+        for (size_t k = from; k < from + m; k++) meet(s->bodies + i, beams + k, out + k, (int)i, NULL);
+        continue;
+      }
+      for (size_t k = 0; k < m; k++)
+        rays[k] = (skf_ray){beams[from + k].from, beams[from + k].direction, 0, out[from + k].t};
+      skf_tracer_first_many(s->bodies[i].tracer, m, rays, hits, found,
+                            NULL); /* what is wrong with a ray finds nothing */
+      for (size_t k = 0; k < m; k++)
+        if (found[k] && hits[k].t < out[from + k].t) out[from + k] = seen(hits + k, beams + from + k, (int)i);
+    }
+  for (size_t k = 0; k < n; k++) out[k] = or_ground(s, beams + k, out[k]);
 }
 
 enum { CROSSINGS = 64 }; /* of a shadow ray with bodies that let light through; behind more of them it is dark */
@@ -67,7 +104,7 @@ static bool reaches(const skf_stage *g, const skf_sight *at, skf_vec3 direction,
     const skf_render_body *b = g->s->bodies + i;
     bool hit = false;
     if (g->clear[i]) continue;
-    if (b->offsets || b->angle != 0 || b->sweep != 0) {
+    if (!plain(b)) {
       skf_sight there = {.body = SKF_NOTHING, .t = distance};
       hit = meet(b, &beam, &there, (int)i, NULL);
     } else {
