@@ -53,7 +53,7 @@ draw("icicle", "icicle", "240x240", "--spp 4 --azimuth 10 --elevation 5");
 // grows, and the surface that blends them.
 
 // %%
-draw("starfish", "skeleton", "240x180", "--spp 2 --skeleton");
+draw("starfish", "skeleton", "200x150", "--spp 2 --skeleton");
 draw("coral", "coral-offset", "320x240", "--spp 4 --mode offset");
 draw("coral", "coral", "320x240", "--spp 4");
 
@@ -65,9 +65,9 @@ draw("coral", "coral", "320x240", "--spp 4");
 // the field.
 
 // %%
-draw("urchin", "urchin", "240x180", "--quality draft --spp 4");
+draw("urchin", "urchin", "200x150", "--quality draft --spp 4");
 draw("shell", "shell", "320x240", "--spp 4");
-draw("wrinkles", "wrinkles", "160x120", "--quality draft");
+draw("wrinkles", "wrinkles", "140x105", "--quality draft");
 draw("flake91", "flake91", "320x240", "--spp 4");
 
 // %% [markdown]
@@ -84,7 +84,7 @@ nb_show("flake820.png");
 // Glass, and one surface that goes from gold to wood to marble.
 
 // %%
-draw("still-life", "still-life", "320x240", "--spp 2");
+draw("still-life", "still-life", "240x180", "--spp 2");
 
 // %% [markdown]
 // ## Where the time goes
