@@ -16,7 +16,6 @@ typedef struct skf_packet {
   double shift[SKF_PACKET];     /* by which rounding may move places */
   unsigned alive, below, above; /* below, above: the sign of f just before the current cell, where it is known */
   int backwards;                /* a bit for each negative coordinate of the directions */
-  int vectors;                  /* of four lanes that are in use */
   skf_walk walk[SKF_PACKET];
   skf_knot knot[SKF_PACKET]; /* at the end of the last leaf without blobs */
   bool first;                /* crossings beyond a lane's first are of no interest */
@@ -27,10 +26,10 @@ typedef struct skf_packet {
 
 typedef void skf_packet_fn(skf_packet *p);
 
-/* All lanes that are alive, through the whole octree. */
-skf_packet_fn skf_packet_scalar, skf_packet_avx2;
+/* All lanes that are alive, through the whole octree; the first four, or all. */
+skf_packet_fn skf_packet_scalar_one, skf_packet_scalar, skf_packet_avx2_one, skf_packet_avx2;
 
-skf_packet_fn *skf_packet_get(skf_isa isa);
+skf_packet_fn *skf_packet_get(skf_isa isa, int lanes);
 
 /* One lane through [a, b] of a leaf (or of a cell that is not known, NULL) by the walk; updates its sign. */
 void skf_packet_walk(skf_packet *p, int lane, const skf_leaf *leaf, double a, double b);

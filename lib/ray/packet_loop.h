@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The way through the octree, four lanes in a vector. Included by the unit of each instruction set. */
+/* The way through the octree, four lanes in a vector. Included by the units of each instruction set, for one vector and
+   for two: VECTORS. */
 #include "ray/packet.h"
 #include "simd/vec.h"
-
-enum { VECTORS = SKF_PACKET / SKF_LANES };
 
 /* Where the lanes enter and leave a cell; a >= b: not at all. */
 typedef struct span {
@@ -12,7 +11,7 @@ typedef struct span {
 
 SKF_INLINE unsigned lanes_of(const skf_packet *p, const span *s) {
   unsigned bits = 0;
-  for (int v = 0; v < p->vectors; v++) bits |= (unsigned)vi_bits(s->a[v] < s->b[v]) << (SKF_LANES * v);
+  for (int v = 0; v < VECTORS; v++) bits |= (unsigned)vi_bits(s->a[v] < s->b[v]) << (SKF_LANES * v);
   return bits & p->alive;
 }
 
@@ -20,7 +19,7 @@ SKF_INLINE unsigned lanes_of(const skf_packet *p, const span *s) {
    largest where the ray comes nearest to it. */
 SKF_INLINE unsigned undecided(const skf_packet *p, const skf_leaf *leaf, const span *s, unsigned lanes) {
   unsigned bits = 0;
-  for (int v = 0; v < p->vectors; v++) {
+  for (int v = 0; v < VECTORS; v++) {
     int at = SKF_LANES * v;
     skf_vd dx = vd_load(p->d[0] + at), dy = vd_load(p->d[1] + at), dz = vd_load(p->d[2] + at), zero = vd_set(0);
     skf_vd a = s->a[v], L = s->b[v] - a, one = vd_set(1);
@@ -44,7 +43,7 @@ static void meet_blobs(skf_packet *p, const skf_leaf *leaf, const span *s, unsig
   double a[SKF_PACKET], b[SKF_PACKET];
   p->below |= clear, p->above &= ~clear;
   if (!left) return;
-  for (int v = 0; v < p->vectors; v++) vd_store(a + SKF_LANES * v, s->a[v]), vd_store(b + SKF_LANES * v, s->b[v]);
+  for (int v = 0; v < VECTORS; v++) vd_store(a + SKF_LANES * v, s->a[v]), vd_store(b + SKF_LANES * v, s->b[v]);
   for (; left; left &= left - 1) {
     int lane = __builtin_ctz(left);
     skf_packet_blobs(p, lane, leaf, a[lane], b[lane]);
@@ -53,7 +52,7 @@ static void meet_blobs(skf_packet *p, const skf_leaf *leaf, const span *s, unsig
 
 static void meet_leaf(skf_packet *p, const skf_leaf *leaf, const span *s, unsigned lanes) {
   double a[SKF_PACKET], b[SKF_PACKET];
-  for (int v = 0; v < p->vectors; v++) vd_store(a + SKF_LANES * v, s->a[v]), vd_store(b + SKF_LANES * v, s->b[v]);
+  for (int v = 0; v < VECTORS; v++) vd_store(a + SKF_LANES * v, s->a[v]), vd_store(b + SKF_LANES * v, s->b[v]);
   for (; lanes; lanes &= lanes - 1) {
     int lane = __builtin_ctz(lanes);
     skf_packet_walk(p, lane, leaf, a[lane], b[lane]);
@@ -78,13 +77,13 @@ static void meet(skf_packet *p, skf_cell c, const span *s, unsigned lanes) {
 
 /* Where the lanes pass a middle along axis i. */
 SKF_INLINE void pass(const skf_packet *p, int i, double middle, skf_vd t[VECTORS]) {
-  for (int v = 0; v < p->vectors; v++)
+  for (int v = 0; v < VECTORS; v++)
     t[v] = (vd_set(middle) - vd_load(p->o[i] + SKF_LANES * v)) * vd_load(p->per[i] + SKF_LANES * v);
 }
 
 /* The half of a span before or behind it; returns whether anything is left. */
 SKF_INLINE unsigned cut(const skf_packet *p, const span *s, const skf_vd t[VECTORS], bool behind, span *out) {
-  for (int v = 0; v < p->vectors; v++) {
+  for (int v = 0; v < VECTORS; v++) {
     out->a[v] = behind ? vd_max(s->a[v], t[v]) : s->a[v];
     out->b[v] = behind ? s->b[v] : vd_min(s->b[v], t[v]);
   }
@@ -95,25 +94,23 @@ SKF_INLINE unsigned cut(const skf_packet *p, const span *s, const skf_vd t[VECTO
 static void descend(skf_packet *p, skf_branch *branch, const span *all) {
   skf_octree *tree = p->tracer->tree;
   skf_vd tx[VECTORS], ty[VECTORS], tz[VECTORS];
-  span of_z, of_y, s;
   pass(p, 0, branch->middle.x, tx), pass(p, 1, branch->middle.y, ty), pass(p, 2, branch->middle.z, tz);
-  for (int k = 0; k < 8; k++) {
-    if (!(k & 3) && !cut(p, all, tz, k & 4, &of_z)) {
-      k += 3;
-      continue;
+  for (int z = 0; z < 2; z++) {
+    span of_z, of_y, s;
+    if (!cut(p, all, tz, z, &of_z)) continue;
+    for (int y = 0; y < 2; y++) {
+      if (!cut(p, &of_z, ty, y, &of_y)) continue;
+      for (int x = 0; x < 2; x++) {
+        unsigned lanes = cut(p, &of_y, tx, x, &s);
+        if (lanes) meet(p, skf_octree_child(tree, branch, (x | y << 1 | z << 2) ^ p->backwards), &s, lanes);
+      }
     }
-    if (!(k & 1) && !cut(p, &of_z, ty, k & 2, &of_y)) {
-      k += 1;
-      continue;
-    }
-    unsigned lanes = cut(p, &of_y, tx, k & 1, &s);
-    if (lanes) meet(p, skf_octree_child(tree, branch, k ^ p->backwards), &s, lanes);
   }
 }
 
 static void through(skf_packet *p) {
   span s;
-  for (int v = 0; v < p->vectors; v++) {
+  for (int v = 0; v < VECTORS; v++) {
     s.a[v] = vd_load(p->from + SKF_LANES * v);
     s.b[v] = vd_load(p->to + SKF_LANES * v);
   }

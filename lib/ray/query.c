@@ -141,10 +141,10 @@ static skf_status begin(question *q, const skf_ray *ray, void *user, candidate *
 }
 
 static void board(skf_packet *p, int lane, const candidate *c) {
+  const double *o = &c->origin.x, *d = &c->direction.x;
   for (int i = 0; i < 3; i++) {
-    double d = v3_get(c->direction, i);
-    p->o[i][lane] = v3_get(c->origin, i), p->d[i][lane] = d;
-    p->per[i][lane] = fabs(d) > 1e-300 ? 1 / d : d < 0 ? -1e300 : 1e300; /* a middle is before it or behind it */
+    p->o[i][lane] = o[i], p->d[i][lane] = d[i];
+    p->per[i][lane] = fabs(d[i]) > 1e-300 ? 1 / d[i] : d[i] < 0 ? -1e300 : 1e300; /* middles are before or behind it */
   }
   p->from[lane] = c->from, p->to[lane] = c->to, p->shift[lane] = c->shift;
   p->walk[lane] = (skf_walk){.tracer = p->tracer, .origin = c->origin, .direction = c->direction};
@@ -165,9 +165,9 @@ static unsigned travel(question *q, const candidate *c, unsigned left, int *last
     lane = __builtin_ctz(left);
     if (c[lane].backwards == p.backwards) board(&p, lanes++, c + lane), taken |= 1u << lane;
   }
-  p.alive = (1u << lanes) - 1, p.vectors = lanes > 4 ? 2 : 1;
-  for (int i = lanes; i < 4 * p.vectors; i++) board(&p, i, c + lane), p.to[i] = -INFINITY;
-  skf_packet_get(q->tracer->isa)(&p);
+  p.alive = (1u << lanes) - 1;
+  for (int i = lanes; i < (lanes > 4 ? SKF_PACKET : 4); i++) board(&p, i, c + lane), p.to[i] = -INFINITY;
+  skf_packet_get(q->tracer->isa, lanes)(&p);
   for (int i = 0; i < lanes; i++) add_report(&q->report, &p.walk[i].report);
   q->report.cells += p.cells;
   *last = p.above >> (lanes - 1) & 1 ? 1 : p.below >> (lanes - 1) & 1 ? -1 : 0;

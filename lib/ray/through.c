@@ -3,12 +3,12 @@
 #include "core/vec3.h"
 #include "ray/packet.h"
 
-skf_packet_fn *skf_packet_get(skf_isa isa) {
+skf_packet_fn *skf_packet_get(skf_isa isa, int lanes) {
 #ifdef SKF_HAVE_AVX2
-  if (isa != SKF_ISA_SCALAR) return skf_packet_avx2;
+  if (isa != SKF_ISA_SCALAR) return lanes > 4 ? skf_packet_avx2 : skf_packet_avx2_one;
 #endif
   (void)isa;
-  return skf_packet_scalar;
+  return lanes > 4 ? skf_packet_scalar : skf_packet_scalar_one;
 }
 
 static void set_last(skf_packet *p, int lane, int sign) {

@@ -67,8 +67,33 @@ static void touching(void **unused) {
   check_close(found[0], 0.75, 1e-12);
 }
 
+/* Roots that are double, triple, or so close that rounding may take them for that: an even number of them may be lost
+   or found twice, what is found is near them, and where the ends differ in sign there is a root. */
+static void close_roots(void **unused) {
+  (void)unused;
+  uint64_t state = 7;
+  for (int trial = 0; trial < 20000; trial++) {
+    double x = rnd(&state, 0.05, 0.95), gap = trial % 4 ? pow(10, -rnd(&state, 3, 17)) : 0, b[4], found[3];
+    bool triple = trial % 3 == 0;
+    double r[3] = {x, x + gap, triple ? x - gap : rnd(&state, 0, 1) < 0.5 ? -1 : rnd(&state, 0.05, 0.95)};
+    if (!triple && fabs(r[2] - x) < 0.01) continue;
+    from_roots(rnd(&state, 1e-3, 1e3), r, b);
+    int inside = 0, n = skf_cubic_roots(b, found);
+    for (int i = 0; i < 3; i++) inside += r[i] > 0 && r[i] < 1;
+    assert_int_equal(n & 1, inside & 1);
+    for (int k = 0; k < n; k++) {
+      double best = INFINITY;
+      for (int i = 0; i < 3; i++) best = fmin(best, fabs(found[k] - r[i]));
+      assert_true(best < (triple ? 2e-5 : 1e-6));
+      assert_true(k == 0 || found[k] >= found[k - 1]);
+    }
+    if (gap > 1e-4) assert_int_equal(n, inside);
+    if ((b[0] > 0) != (b[3] > 0)) assert_true(n > 0);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(known_roots), cmocka_unit_test(range_and_slope),
-                                     cmocka_unit_test(touching)};
+                                     cmocka_unit_test(touching), cmocka_unit_test(close_roots)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
