@@ -11,7 +11,7 @@ int launch_world(const skf_scene *scene, skf_world **out) {
     const skf_body *b = scene->bodies + i;
     bodies[i] = (skf_attractor){b->field, b->iso, scene->G * b->rho, b->spin};
   }
-  skf_status s = skf_world_new(bodies, scene->body_count, out);
+  skf_status s = skf_world_new_with(bodies, scene->body_count, scene->forces, scene->force_count, out);
   free(bodies);
   return s ? cli_fail_status(s, "bodies") : CLI_DONE;
 }

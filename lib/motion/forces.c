@@ -5,7 +5,7 @@
 #include <string.h>
 
 static bool drags(const skf_force *f) { return f->type == SKF_FORCE_DRAG || f->type == SKF_FORCE_DRAG_SQUARED; }
-static bool needs_velocity(const skf_force *f) { return drags(f) || (f->type == SKF_FORCE_USER && f->velocity); }
+bool skf_force_drags(const skf_force *f) { return drags(f) || (f->type == SKF_FORCE_USER && f->velocity); }
 
 static skf_status check(const skf_world *w, const skf_force *f) {
   switch (f->type) {
@@ -27,7 +27,7 @@ skf_status skf_world_take_forces(skf_world *w, const skf_force *forces, size_t c
   for (size_t i = 0; i < count; i++) {
     skf_status s = check(w, forces + i);
     if (s) return s;
-    w->dragged = w->dragged || needs_velocity(forces + i);
+    w->dragged = w->dragged || skf_force_drags(forces + i);
     w->still = w->still && forces[i].type != SKF_FORCE_USER; /* whose force may change with time */
     w->forces[w->force_count++] = forces[i];
   }
@@ -52,7 +52,7 @@ static bool add(const skf_world *w, bool velocity, skf_clock t, skf_vec3 p, skf_
   for (size_t i = 0; i < w->force_count; i++) {
     const skf_force *f = w->forces + i;
     skf_vec3 more = f->push;
-    if (needs_velocity(f) != velocity) continue;
+    if (skf_force_drags(f) != velocity) continue;
     if (drags(f)) more = drag(w, f, t, p, v);
     if (f->type == SKF_FORCE_USER) f->eval(f->user, t.hi, p, v, &more);
     *a = v3_add(*a, more);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The registry of integrators. */
 #include "motion/integrator.h"
+#include "motion/world.h"
 #include <string.h>
 
 static const skf_integrator_ops *const registry[] = {
@@ -24,4 +25,9 @@ const skf_integrator_ops *skf_integrator_row(const char *name) {
 const skf_integrator_info *skf_integrator_find(const char *name) {
   const skf_integrator_ops *row = skf_integrator_row(name);
   return row ? &row->info : NULL;
+}
+
+bool skf_integrator_takes(const char *name, const skf_force *force) {
+  const skf_integrator_ops *row = skf_integrator_row(name);
+  return row && row->takes >= (skf_force_drags(force) ? SKF_TAKES_DRAG : SKF_TAKES_PUSH);
 }

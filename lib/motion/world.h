@@ -59,6 +59,8 @@ void skf_world_force_many(const void *world, size_t n, const double *t_hi, const
                           double *const a[3], double *noise);
 /* Acceleration and its time derivative along a motion with velocity v: an skf_ode's `jerk`. False when not finite. */
 bool skf_world_jerk(const void *world, skf_clock t, skf_vec3 p, skf_vec3 v, skf_vec3 *a, skf_vec3 *jerk);
+/* Whether it depends on the velocity. */
+bool skf_force_drags(const skf_force *f);
 /* Copies the forces; w->bodies and w->still are set. */
 skf_status skf_world_take_forces(skf_world *w, const skf_force *forces, size_t count);
 /* Adds the forces that do not depend on the velocity (skf_world_force has them), and those that do: an skf_ode's

@@ -61,8 +61,8 @@ typedef struct skf_section {
 extern const skf_section *const skf_sections[];
 extern const skf_section skf_section_scene, skf_section_gravity, skf_section_body, skf_section_spin, skf_section_motion,
     skf_section_ellipsoid, skf_section_particle, skf_section_launch, skf_section_grid, skf_section_disc,
-    skf_section_shell, skf_section_maxwellian, skf_section_simulation, skf_section_camera, skf_section_light,
-    skf_section_area, skf_section_animate, skf_section_fog, skf_section_background;
+    skf_section_shell, skf_section_maxwellian, skf_section_force, skf_section_simulation, skf_section_camera,
+    skf_section_light, skf_section_area, skf_section_animate, skf_section_fog, skf_section_background;
 
 /* Reads a mapping into a struct. *given, unless NULL, gets bit i for the i-th key. */
 skf_status skf_read_map(skf_reader *r, const skf_node *map, const skf_section *section, void *into, unsigned *given);
@@ -90,6 +90,8 @@ skf_status skf_read_bodies(skf_reader *r, const skf_node *list, void *scene);
 /* Once every body is known: a start may need them. */
 skf_status skf_read_particles(skf_reader *r, const skf_node *list);
 skf_status skf_read_simulation(skf_reader *r, const skf_node *map, void *scene);
+/* Once bodies and simulation are known. */
+skf_status skf_read_forces(skf_reader *r, const skf_node *list);
 skf_status skf_read_camera(skf_reader *r, const skf_node *map, void *scene);
 skf_status skf_read_lights(skf_reader *r, const skf_node *list, void *scene);
 /* Puts the numbers of `animate` at the time of the hooks into the tree. */

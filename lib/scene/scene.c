@@ -42,6 +42,7 @@ enum {
   KEY_BODIES,
   KEY_PARTICLES,
   KEY_SIMULATION,
+  KEY_FORCES,
   KEY_CAMERA,
   KEY_LIGHTS,
   KEY_BACKGROUND,
@@ -59,6 +60,8 @@ static const skf_key scene_keys[KEYS] = {
     [KEY_PARTICLES] = {"particles", NULL, "what flies", SKF_KEY_OTHER, .read = accept, .form = "a list of particles"},
     [KEY_SIMULATION] = {"simulation", NULL, "how it flies", SKF_KEY_OTHER, .read = skf_read_simulation,
                         .form = "{t_end, output_every, ...}"},
+    [KEY_FORCES] = {"forces", NULL, "what accelerates it besides gravity", SKF_KEY_OTHER, .read = accept,
+                    .form = "a list of forces"},
     [KEY_CAMERA] = {"camera", NULL, "for render", SKF_KEY_OTHER, .read = skf_read_camera,
                     .form = "{from, to, up, fov}"},
     [KEY_LIGHTS] = {"lights", NULL, "for render", SKF_KEY_OTHER, .read = skf_read_lights, .form = "a list of lights"},
@@ -72,17 +75,29 @@ static const skf_key scene_keys[KEYS] = {
 };
 const skf_section skf_section_scene = {"scene", "the whole file", scene_keys, KEYS};
 
-const skf_section *const skf_sections[] = {&skf_section_scene,      &skf_section_gravity,
-                                           &skf_section_material,   &skf_section_body,
-                                           &skf_section_spin,       &skf_section_motion,
-                                           &skf_section_ellipsoid,  &skf_section_particle,
-                                           &skf_section_launch,     &skf_section_grid,
-                                           &skf_section_disc,       &skf_section_shell,
-                                           &skf_section_maxwellian, &skf_section_simulation,
-                                           &skf_section_camera,     &skf_section_light,
-                                           &skf_section_area,       &skf_section_background,
-                                           &skf_section_fog,        &skf_section_texture,
-                                           &skf_section_animate,    NULL};
+const skf_section *const skf_sections[] = {&skf_section_scene,
+                                           &skf_section_gravity,
+                                           &skf_section_material,
+                                           &skf_section_body,
+                                           &skf_section_spin,
+                                           &skf_section_motion,
+                                           &skf_section_ellipsoid,
+                                           &skf_section_particle,
+                                           &skf_section_launch,
+                                           &skf_section_grid,
+                                           &skf_section_disc,
+                                           &skf_section_shell,
+                                           &skf_section_maxwellian,
+                                           &skf_section_force,
+                                           &skf_section_simulation,
+                                           &skf_section_camera,
+                                           &skf_section_light,
+                                           &skf_section_area,
+                                           &skf_section_background,
+                                           &skf_section_fog,
+                                           &skf_section_texture,
+                                           &skf_section_animate,
+                                           NULL};
 
 static size_t hash(const char *text) {
   uint64_t h = 14695981039346656037u; /* FNV-1a */
@@ -123,6 +138,8 @@ static skf_status read_scene(skf_reader *r) {
   unsigned given;
   if ((s = skf_read_map(r, root, &skf_section_scene, r->scene, &given))) return s;
   r->scene->has_background = given >> KEY_BACKGROUND & 1;
+  const skf_node *forces = skf_map_find(r, root, "forces");
+  if (forces && (s = skf_read_forces(r, forces))) return s;
   return given >> KEY_PARTICLES & 1 ? skf_read_particles(r, skf_map_find(r, root, "particles")) : SKF_OK;
 }
 
@@ -220,6 +237,7 @@ void skf_scene_free(skf_scene *scene) {
   skf_free(scene->bodies);
   skf_free(scene->particles);
   skf_free(scene->lights);
+  skf_free(scene->forces);
   for (size_t i = 0; i < scene->image_count; i++) skf_free(scene->images[i]->path), skf_free(scene->images[i]);
   skf_free(scene->images);
   skf_free(scene);

@@ -92,6 +92,9 @@ typedef struct skf_force {
   bool velocity;
 } skf_force;
 
+/* Whether an integrator takes a force; skf_flight_new refuses it otherwise. False when there is none of that name. */
+SKF_API bool skf_integrator_takes(const char *name, const skf_force *force);
+
 /* Immutable, safe to share between threads. */
 typedef struct skf_world skf_world;
 

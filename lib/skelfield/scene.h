@@ -91,6 +91,8 @@ typedef struct skf_scene {
   size_t name_pool_count;
   char **name_pools;
   skf_light *lights;
+  size_t force_count;
+  skf_force *forces; /* besides gravity */
   skf_simulation simulation;
   skf_camera camera;
   double shutter; /* how long it is open [T] */

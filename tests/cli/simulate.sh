@@ -94,4 +94,27 @@ sed 's/tolerance:/step: 0.1, tolerance:/' fall.yaml >steps.yaml
 run simulate steps.yaml
 expect_refused "a step that nobody takes" "steps.yaml:13: step given, but gauss-radau chooses its own"
 
+# Without gravity: v = exp(-k t) after drag, v = a t after a push.
+sed -e 's/G: 1}/G: 0}/' -e 's/position: \[1, 0, 0\], velocity: \[0, 0, 0\]/position: [1, 0, 0], velocity: [1, 0, 0]/' \
+  -e 's/t_end: 1.25/t_end: 1/' fall.yaml >free.yaml
+(cat free.yaml; echo 'forces: [{type: drag, k: 2}]') >drag.yaml
+run simulate drag.yaml -o drag.csv
+expect_status "drag in a scene" 0
+expect_close "slows down" "$(awk -F, '$1 == 1 && $2 == "stone" { print $6 }' drag.csv)" 0.1353352832366127 1e-12
+(cat free.yaml; echo 'forces: [{type: push, acceleration: [0, 0, 0.5]}]') >push.yaml
+run simulate push.yaml -o push.csv
+expect_close "a push" "$(awk -F, '$1 == 1 && $2 == "stone" { print $5 }' push.csv)" 0.25 1e-12
+sed 's/k: 2/k: 2, body: moon/' drag.yaml >medium.yaml
+run simulate medium.yaml
+expect_refused "a medium of nobody" "medium.yaml:14: no body is called 'moon'"
+sed 's/, k: 2//' drag.yaml >weak.yaml
+run simulate weak.yaml
+expect_refused "drag without k" "weak.yaml:14: missing 'k' in force, expected a finite number >= 0"
+sed 's/tolerance: [^,}]*/integrator: rkn12/' drag.yaml >rkn12.yaml
+run simulate rkn12.yaml
+expect_refused "drag with another integrator" "rkn12.yaml:14: integrator rkn12 takes no drag, expected gauss-radau"
+sed 's/k: 2/k: 2, acceleration: [1, 0, 0]/' drag.yaml >both.yaml
+run simulate both.yaml
+expect_refused "a drag that pushes" "both.yaml:14: unexpected 'acceleration' in a drag, expected k"
+
 tap_done
