@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Targets are worked on in blocks of BLOCK^3, which share what their sources do along x and y. */
-enum { BLOCK = 4, AROUND = BLOCK + 4, ROOM = 2 * BLOCK * AROUND + 2 * BLOCK * BLOCK + 2 };
+enum { BLOCK = 4, AROUND = BLOCK + 4, ROOM = 2 * AROUND + 2 };
 
 typedef struct job {
   skf_far *far;
@@ -28,9 +28,9 @@ static void through(const job *j, const far_matrix *const m[3], const double *in
   const far_layout *l = &j->far->layout;
   double *a = room(j), *b = a + l->size;
   clear(j, a), clear(j, b);
-  j->far->ops->along[0](l, l->order, m[0], in, a);
-  j->far->ops->along[1](l, l->order, m[1], a, b);
-  j->far->ops->along[2](l, l->order, m[2], b, out);
+  j->far->ops->along[0][FAR_ONE](l, l->order, m[0], in, NULL, a);
+  j->far->ops->along[1][FAR_ONE](l, l->order, m[1], a, NULL, b);
+  j->far->ops->along[2][FAR_ONE](l, l->order, m[2], b, NULL, out);
 }
 
 static void collect(const job *j, size_t k) {
@@ -39,9 +39,8 @@ static void collect(const job *j, size_t k) {
   double *out = moments_of(j, k), side = far_side(t, s->level);
   skf_vec3 center = far_center(t, s->level, s->at);
   if (!s->split)
-    for (size_t i = s->first; i < s->first + s->count; i++)
-      skf_far_moments(&j->far->layout, &t->pieces.at[i].primitive, j->elements[t->pieces.at[i].element].strength,
-                      center, 2 / (FAR_WIDE * side), side, 0.1 * j->accuracy, out);
+    skf_far_moments(j->far->ops, &j->far->layout, t->pieces.at + s->first, s->count, j->elements, center,
+                    2 / (FAR_WIDE * side), side, 0.1 * j->accuracy, out);
   for (int i = 0; i < 8; i++) {
     if (s->child[i] < 0) continue;
     const far_matrix *const m[3] = {&j->up[i & 1], &j->up[i >> 1 & 1], &j->up[i >> 2]};
@@ -81,11 +80,12 @@ static void look_around(const job *j, int level, const int origin[3], block *b) 
       }
 }
 
-typedef struct planes {
-  double *apart[BLOCK][AROUND], *close[BLOCK][AROUND]; /* after x: from sources apart along x, and not */
-  double *done, *open;                                 /* after y */
-  bool has_apart[BLOCK][AROUND], has_close[BLOCK][AROUND], has_done, has_open;
-} planes;
+/* What sources of one plane z do to targets at one x. */
+typedef struct plane {
+  double *apart[AROUND], *close[AROUND]; /* after x, at each y: from sources apart along x, and not */
+  double *done, *open;                   /* after y */
+  bool has_apart[AROUND], has_close[AROUND], has_done, has_open;
+} plane;
 
 /* The block of memory, cleared when it is used for the first time. */
 static double *into(const job *j, double *t, bool *has) {
@@ -94,63 +94,72 @@ static double *into(const job *j, double *t, bool *has) {
   return t;
 }
 
-static void along_x(const job *j, const block *b, const far_term *g, int z, planes *p) {
-  for (int tx = 0; tx < BLOCK; tx++)
-    for (int y = 0; y < AROUND; y++) {
-      p->has_apart[tx][y] = p->has_close[tx][y] = false;
-      for (int x = 0; x < AROUND && b->column[tx]; x++) {
-        int shift = shift_of(x, tx);
-        if (shift == FAR_SHIFTS || !b->source[z][y][x] || !g->matters[shift + FAR_REACH]) continue;
-        double *out = apart(shift) ? into(j, p->apart[tx][y], &p->has_apart[tx][y])
-                                   : into(j, p->close[tx][y], &p->has_close[tx][y]);
-        j->far->ops->along[0](&j->far->layout, g->order, g->along + shift + FAR_REACH, b->source[z][y][x], out);
-      }
-    }
-}
-
-static void along_y(const job *j, const far_term *g, int tx, int ty, planes *p) {
-  p->has_done = p->has_open = false;
-  for (int y = 0; y < AROUND; y++) {
-    int shift = shift_of(y, ty);
-    if (shift == FAR_SHIFTS || !g->matters[shift + FAR_REACH]) continue;
-    const far_layout *l = &j->far->layout;
-    const far_matrix *m = g->along + shift + FAR_REACH;
-    if (p->has_apart[tx][y]) j->far->ops->along[1](l, g->order, m, p->apart[tx][y], into(j, p->done, &p->has_done));
-    if (p->has_close[tx][y])
-      j->far->ops->along[1](l, g->order, m, p->close[tx][y],
-                            apart(shift) ? into(j, p->done, &p->has_done) : into(j, p->open, &p->has_open));
+/* A row of sources, from two cells before the block, goes along an axis to the target t: sources at opposite shifts
+   together, into *far those that are apart, into *near, if wanted, the others. */
+static void along(const job *j, int axis, const far_term *g, const double *const row[AROUND], int t, double *far,
+                  bool *has_far, double *near, bool *has_near) {
+  for (int shift = 0; shift <= FAR_REACH; shift++) {
+    const far_matrix *m = g->along + FAR_REACH;
+    const double *plus = NULL, *minus = NULL;
+    if (!g->matters[FAR_REACH + shift] || (!apart(shift) && !near)) continue;
+    if (shift_of(t + shift + BLOCK / 2, t) == shift) plus = row[t + shift + BLOCK / 2];
+    if (shift && shift_of(t - shift + BLOCK / 2, t) == -shift) minus = row[t - shift + BLOCK / 2];
+    if (!plus && !minus) continue;
+    double *out = apart(shift) ? into(j, far, has_far) : into(j, near, has_near);
+    m += plus ? shift : -shift;
+    far_mode mode = shift == 0 ? FAR_SAME : plus && minus ? FAR_TWO : FAR_ONE;
+    j->far->ops->along[axis][mode](&j->far->layout, g->order, m, plus ? plus : minus, minus, out);
   }
 }
 
-static void along_z(const job *j, const block *b, const far_term *g, int z, int tx, int ty, const planes *p) {
+static void along_x(const job *j, const block *b, const far_term *g, int z, int tx, plane *p) {
+  for (int y = 0; y < AROUND; y++) {
+    p->has_apart[y] = p->has_close[y] = false;
+    along(j, 0, g, b->source[z][y], tx, p->apart[y], &p->has_apart[y], p->close[y], &p->has_close[y]);
+  }
+}
+
+static void along_y(const job *j, const far_term *g, int ty, plane *p) {
+  const double *apart[AROUND], *close[AROUND];
+  for (int y = 0; y < AROUND; y++) {
+    apart[y] = p->has_apart[y] ? p->apart[y] : NULL;
+    close[y] = p->has_close[y] ? p->close[y] : NULL;
+  }
+  p->has_done = p->has_open = false;
+  along(j, 1, g, apart, ty, p->done, &p->has_done, p->done, &p->has_done);
+  along(j, 1, g, close, ty, p->done, &p->has_done, p->open, &p->has_open);
+}
+
+static void along_z(const job *j, const far_term *g, int z, const int target[BLOCK], const plane *p) {
   for (int tz = 0; tz < BLOCK; tz++) {
-    int shift = shift_of(z, tz), k = b->target[tx][ty][tz];
+    int shift = shift_of(z, tz), k = target[tz];
     if (shift == FAR_SHIFTS || k < 0 || !g->matters[shift + FAR_REACH]) continue;
     const far_layout *l = &j->far->layout;
+    const far_matrix *m = g->last + shift + FAR_REACH;
     double *out = tensor_of(j, (size_t)k);
-    if (p->has_done) j->far->ops->along[2](l, g->order, g->last + shift + FAR_REACH, p->done, out);
-    if (p->has_open && apart(shift)) j->far->ops->along[2](l, g->order, g->last + shift + FAR_REACH, p->open, out);
+    if (p->has_done) j->far->ops->along[2][FAR_ONE](l, g->order, m, p->done, NULL, out);
+    if (p->has_open && apart(shift)) j->far->ops->along[2][FAR_ONE](l, g->order, m, p->open, NULL, out);
   }
 }
 
 static void across(const job *j, const block *b) {
-  planes p;
+  plane p;
   double *next = room(j);
   size_t size = j->far->layout.size;
-  for (int x = 0; x < BLOCK; x++)
-    for (int y = 0; y < AROUND; y++, next += 2 * size) p.apart[x][y] = next, p.close[x][y] = next + size;
+  for (int y = 0; y < AROUND; y++, next += 2 * size) p.apart[y] = next, p.close[y] = next + size;
   p.done = next, p.open = next + size;
   for (int i = 0; i < j->mixture->count; i++)
-    for (int z = 0; z < AROUND; z++) {
-      const far_term *g = j->mixture->term + i;
-      along_x(j, b, g, z, &p);
-      for (int x = 0; x < BLOCK; x++)
+    for (int z = 0; z < AROUND; z++)
+      for (int x = 0; x < BLOCK; x++) {
+        const far_term *g = j->mixture->term + i;
+        if (!b->column[x]) continue;
+        along_x(j, b, g, z, x, &p);
         for (int y = 0; y < BLOCK; y++) {
           if (!b->row[x][y]) continue;
-          along_y(j, g, x, y, &p);
-          along_z(j, b, g, z, x, y, &p);
+          along_y(j, g, y, &p);
+          along_z(j, g, z, b->target[x][y], &p);
         }
-    }
+      }
 }
 
 /* A target and the block it is in */

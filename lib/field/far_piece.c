@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "num/gauss.h"
 #include "skeleton/shape.h"
+#include <string.h>
 
 bool skf_far_piece_add(far_pieces *list, const far_piece *piece) {
   if (list->count == list->capacity) {
@@ -67,24 +68,29 @@ int skf_far_piece_cut(const skf_primitive *p, int axis, double where, skf_primit
   return skf_primitive_check(parts, NULL) || skf_primitive_check(parts + 1, NULL) ? 0 : 2;
 }
 
+/* Points are gathered until there are FAR_GATHER. */
 typedef struct sink {
+  const far_ops *ops;
   const far_layout *l;
   skf_vec3 center;
   double per, *tensor;
+  int count;
+  double x[3][FAR_GATHER][FAR_ORDER + FAR_PAD];
 } sink;
 
-static void add_point(const sink *s, skf_vec3 q, double weight) {
-  double x[FAR_ORDER], y[FAR_ORDER], z[FAR_ORDER + FAR_PAD] = {0};
-  int n = s->l->order;
-  far_chebyshev(s->per * (q.x - s->center.x), n, x);
-  far_chebyshev(s->per * (q.y - s->center.y), n, y);
-  far_chebyshev(s->per * (q.z - s->center.z), n, z);
-  for (int a = 0; a < n; a++)
-    for (int b = 0; a + b < n; b++) {
-      double *row = s->tensor + s->l->row[a][b], w = weight * x[a] * y[b];
-      for (int c = 0; a + b + c < n; c += FAR_PAD)
-        for (int i = 0; i < FAR_PAD; i++) row[c + i] += w * z[c + i];
-    }
+static void flush(sink *s) {
+  for (int k = 0; k < 3; k++)
+    for (int i = s->count; i < FAR_GATHER; i++) memset(s->x[k][i], 0, sizeof s->x[k][i]);
+  if (s->count) s->ops->points(s->l, s->x, s->tensor);
+  s->count = 0;
+}
+
+static void add_point(sink *s, skf_vec3 q, double weight) {
+  int i = s->count++, n = s->l->order;
+  for (int k = 0; k < 3; k++) far_chebyshev(s->per * (v3_get(q, k) - v3_get(s->center, k)), n, s->x[k][i]);
+  for (int a = 0; a < n; a++) s->x[0][i][a] *= weight;
+  for (int c = n; c < FAR_ORDER + FAR_PAD; c++) s->x[2][i][c] = 0;
+  if (s->count == FAR_GATHER) flush(s);
 }
 
 /* Nodes along a curve of half-length h: the integrand's singularities are at least `gap` away. */
@@ -93,13 +99,11 @@ static int nodes(double h, double gap, double accuracy) {
   return n > SKF_GAUSS_MAX ? SKF_GAUSS_MAX : (int)n;
 }
 
-void skf_far_moments(const far_layout *l, const skf_primitive *p, double strength, skf_vec3 center, double per,
-                     double gap, double accuracy, double *tensor) {
-  sink s = {l, center, per, tensor};
+static void add_piece(sink *s, const skf_primitive *p, double strength, double gap, double accuracy) {
   double measure = skf_primitive_measure(p), weight = strength * measure;
   skf_box box = skf_primitive_bounds(p);
   if (p->shape == SKF_POINT) {
-    add_point(&s, p->point.at, strength);
+    add_point(s, p->point.at, strength);
   } else if (p->shape == SKF_TRIANGLE) {
     int n = nodes(0.5 * box_diagonal(box), gap, accuracy);
     const skf_gauss_node *g = skf_gauss_rule(n);
@@ -108,7 +112,7 @@ void skf_far_moments(const far_layout *l, const skf_primitive *p, double strengt
       for (int j = 0; j < n; j++) {
         double u = 0.5 * (g[i].x + 1), t = 0.5 * (g[j].x + 1);
         skf_vec3 q = between(v[0], between(v[1], v[2], t), u);
-        add_point(&s, q, 0.5 * weight * g[i].w * g[j].w * u);
+        add_point(s, q, 0.5 * weight * g[i].w * g[j].w * u);
       }
   } else {
     int parts = p->shape == SKF_ARC ? (int)ceil(p->arc.sweep / 1.6) : 1;
@@ -117,7 +121,15 @@ void skf_far_moments(const far_layout *l, const skf_primitive *p, double strengt
     for (int k = 0; k < parts; k++)
       for (int i = 0; i < n; i++) {
         double t = (k + 0.5 * (g[i].x + 1)) / parts;
-        add_point(&s, skf_primitive_point(p, t, 0), 0.5 * weight / parts * g[i].w);
+        add_point(s, skf_primitive_point(p, t, 0), 0.5 * weight / parts * g[i].w);
       }
   }
+}
+
+void skf_far_moments(const far_ops *ops, const far_layout *l, const far_piece *piece, size_t n,
+                     const skf_prepared *elements, skf_vec3 center, double per, double gap, double accuracy,
+                     double *tensor) {
+  sink s = {.ops = ops, .l = l, .center = center, .per = per, .tensor = tensor};
+  for (size_t i = 0; i < n; i++) add_piece(&s, &piece[i].primitive, elements[piece[i].element].strength, gap, accuracy);
+  flush(&s);
 }

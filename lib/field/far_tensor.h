@@ -7,8 +7,8 @@
 #include "field/batch.h"
 #include "field/far_mixture.h"
 
-/* Doubles in a vector of these loops */
-enum { FAR_PAD = 4 };
+/* Doubles in a vector of these loops; points whose polynomials are added at once */
+enum { FAR_PAD = 4, FAR_GATHER = 8 };
 
 typedef struct far_layout {
   int order;
@@ -26,9 +26,16 @@ static inline far_layout far_layout_new(int order) {
   return l;
 }
 
+/* What a matrix is applied to: one cell's tensor; those of the cells at a shift and at its opposite, whose matrix
+   differs in the sign where i + j is odd; that of the cell at shift 0, whose matrix is 0 there. */
+typedef enum far_mode { FAR_ONE, FAR_TWO, FAR_SAME, FAR_MODES } far_mode;
+
 typedef struct far_ops {
-  /* out += the matrix along the axis applied to in, total degrees < order */
-  void (*along[3])(const far_layout *l, int order, const far_matrix *m, const double *in, double *out);
+  /* out += the matrix along the axis applied to in, total degrees < order; along the last axis FAR_ONE only */
+  void (*along[3][FAR_MODES])(const far_layout *l, int order, const far_matrix *m, const double *in,
+                              const double *mirror, double *out);
+  /* out += products of the polynomials at points; their weights are in x[0] */
+  void (*points)(const far_layout *l, double x[3][FAR_GATHER][FAR_ORDER + FAR_PAD], double *out);
   /* F and the gradient of a tensor at n points, a multiple of FAR_PAD up to SKF_BATCH, x in the cube [-1, 1]^3; `per`
      is dx/dp */
   void (*local)(const far_layout *l, const double *tensor, size_t n, double per, const double x[3][SKF_BATCH],
