@@ -45,11 +45,12 @@ void cli_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
 int cli_scene(const char *path, skf_scene **out);
 /* The same with its animated numbers as they are at a time, without warnings. */
 int cli_scene_at(const char *path, double time, skf_scene **out);
-/* Makes the bodies' fields anew to the --accuracy that is given, if it is. */
-int cli_accuracy(const cli *c, skf_scene *scene);
+/* Makes the bodies' fields anew to the --accuracy that is given; where none is, to 1e-12 those that are so large that
+   it saves time at so many points. *made: whether any was. */
+int cli_accuracy(const cli *c, skf_scene *scene, size_t points, bool *made);
 /* The option's row, for the commands that have it. */
 #define CLI_ACCURACY                                                                                                   \
-  { 0, "accuracy", "A", "sum 4000 or more primitives of a kernel by expansions, to A of the absolute sum (see below)" }
+  { 0, "accuracy", "A", "sum many primitives by expansions, to A of the absolute sum; exact: never (see below)" }
 /* Index of a body by name, or -1 after the message. */
 int cli_body(const skf_scene *scene, const char *name);
 

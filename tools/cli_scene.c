@@ -31,20 +31,37 @@ int cli_scene_at(const char *path, double time, skf_scene **out) {
   return cli_fail(s == SKF_ERR_NOMEM ? CLI_FAILED : CLI_BAD, "%s: %s", path, e.text);
 }
 
-int cli_accuracy(const cli *c, skf_scene *scene) {
-  skf_field_options options = {.accuracy = 0};
-  if (!cli_given(c, "accuracy")) return CLI_DONE;
-  int status = cli_number(c, "accuracy", 0, &options.accuracy);
-  if (status) return status;
+/* From here on expansions save more than it costs to make them, about what 50 000 points cost without. */
+enum { MANY_PRIMITIVES = 20000, MANY_POINTS = 100000 };
+
+/* The accuracy that is asked for, 0: none; where nothing is said, by the size of the work. */
+static int accuracy_of(const cli *c, size_t points, skf_field_options *options, bool *automatic) {
+  const char *text = cli_value(c, "accuracy");
+  *options = (skf_field_options){.accuracy = 0};
+  *automatic = !text && points >= MANY_POINTS;
+  if (*automatic) options->accuracy = 1e-12;
+  return !text || !strcmp(text, "exact") || !strcmp(text, "0") ? CLI_DONE
+                                                               : cli_number(c, "accuracy", 0, &options->accuracy);
+}
+
+int cli_accuracy(const cli *c, skf_scene *scene, size_t points, bool *made) {
+  skf_field_options options;
+  bool automatic;
+  *made = false;
+  int status = accuracy_of(c, points, &options, &automatic);
+  if (status || options.accuracy == 0) return status;
   for (size_t i = 0; i < scene->body_count; i++) {
     skf_body *b = scene->bodies + i;
     skf_field *field;
+    if (automatic && b->element_count < MANY_PRIMITIVES) continue;
     skf_status s = skf_field_new_with(b->elements, b->element_count, &options, &field);
+    if (s && automatic) continue; /* no room: it goes on as it was */
     if (s == SKF_ERR_RANGE)
-      return cli_fail(CLI_BAD, "--accuracy %s: expected a number from 1e-12 to 0.01", cli_value(c, "accuracy"));
+      return cli_fail(CLI_BAD, "--accuracy %s: expected a number from 1e-12 to 0.01, or exact",
+                      cli_value(c, "accuracy"));
     if (s) return cli_fail_status(s, b->name);
     skf_field_free(b->field);
-    b->field = field;
+    b->field = field, *made = true;
   }
   return CLI_DONE;
 }

@@ -90,11 +90,12 @@ static int run_with(const cli *c, skf_scene *scene) {
   int status = cli_csv(cli_operand(c, 1), "x,y,z", 3, NULL, &rows, &n);
   if (status != CLI_DONE) return status;
   table t;
-  status = cli_accuracy(c, scene);
+  bool tensor = cli_given(c, "tensor"), far;
+  status = cli_accuracy(c, scene, tensor ? 0 : n, &far); /* second derivatives only where it is asked for */
   if (status != CLI_DONE) return free(rows), status;
-  status = table_new(&t, rows, n, cli_given(c, "tensor"));
+  status = table_new(&t, rows, n, tensor);
   free(rows);
-  if (status == CLI_DONE) status = evaluate(&t, scene, only, cli_given(c, "accuracy"));
+  if (status == CLI_DONE) status = evaluate(&t, scene, only, far);
   if (status == CLI_DONE) status = write_table(&t, cli_value(c, "output"));
   free(t.memory);
   return status;
@@ -128,6 +129,7 @@ const cli_command cmd_eval = {
     "     --tensor adds hxx,hxy,hxz,hyy,hyz,hzz. F is inf where the field is infinite.\n"
     "     --accuracy A, from 1e-12 to 0.01, is for large skeletons: 4000 or more primitives of one kernel\n"
     "     (inverse, inverse-squared, cauchy) are summed by expansions, F to A times the sum of its absolute\n"
-    "     terms; without it every primitive is added up, to rounding.\n"
+    "     terms. Without it this happens to 1e-12 at 100000 points or more (not with --tensor) in bodies of\n"
+    "     20000 primitives or more; else, and with --accuracy exact, every primitive is added up, to rounding.\n"
     "example: skelfield eval data/donut.yaml points.csv -o field.csv",
     run};

@@ -136,12 +136,13 @@ static int write_csv(map_job *j) {
 }
 
 static int work(map_job *j) {
+  bool ignored;
   int status = parse(j);
   if (!status) status = cli_scene(cli_operand(j->c, 0), &j->scene);
-  if (!status) status = cli_accuracy(j->c, j->scene);
   if (!status) status = run_read(cli_value(j->c, "orbits"), cli_value(j->c, "contacts"), &j->run);
   if (!status && j->format) status = open_canvas(j);
   if (!status) status = lay_out(j);
+  if (!status) status = cli_accuracy(j->c, j->scene, (size_t)j->grid.nx * (size_t)j->grid.ny, &ignored);
   if (!status) status = sample(j);
   if (!status && cli_given(j->c, "csv")) status = write_csv(j);
   if (!status && j->format) status = map_draw(j);
@@ -193,7 +194,7 @@ const cli_command cmd_map = {
     .option_count = sizeof options / sizeof *options,
     .notes =
         "Formats: png, jpg, tif, webp, bmp, ppm. A colour bar that ends in a point says that values go on beyond it.\n"
-        "--accuracy A, from 1e-12 to 0.01, is for large skeletons: as in skelfield eval.\n"
+        "--accuracy A, from 1e-12 to 0.01, is for large skeletons, or exact: as in skelfield eval.\n"
         "Examples:\n"
         "  skelfield map donut.yaml -o donut.png --plane y=0 --quantity potential\n"
         "  skelfield map donut.yaml -o orbits.png --orbits run.csv --contacts contacts.csv\n",

@@ -46,7 +46,23 @@ cp "$kept/out" want.csv
 run eval two.yaml points.csv --accuracy 1e-4
 expect_same "few primitives are added up" out want.csv
 run eval two.yaml points.csv --accuracy 0.1
-expect_refused "an accuracy out of range" "--accuracy 0.1: expected a number from 1e-12 to 0.01"
+expect_refused "an accuracy out of range" "--accuracy 0.1: expected a number from 1e-12 to 0.01, or exact"
+run eval crowd.yaml some.csv --accuracy exact
+expect_status "eval without expansions" 0
+expect "they are direct sums" [ "$(field 2 4)" = "$near" ]
+run eval crowd.yaml some.csv --accuracy 0
+expect "so they are with 0" [ "$(field 2 4)" = "$near" ]
+
+# A large body at many points: expansions by themselves, to 1e-12.
+awk 'BEGIN { print "skelfield: 1\nbodies:\n  - name: a\n    iso: 1\n    kernel: {type: cauchy, s: 9}\n    skeleton:";
+  for (i = 0; i < 20000; i++) printf "      - point: {at: [%.6f, %.6f, %.6f]}\n", sin(i), sin(1.7 * i), cos(2.3 * i * i) }' >huge.yaml
+awk 'BEGIN { print "x,y,z\n0.11,0.2,0.3\n5,0,0"; for (i = 2; i < 100000; i++) print "-0.99,-0.98,-0.99" }' >many.csv
+run eval huge.yaml some.csv
+near=$(field 2 4) far=$(field 3 4)
+run eval huge.yaml many.csv
+expect_status "eval of a large body at many points" 0
+expect_close "F inside to 1e-12" "$(field 2 4)" "$near" 1e-12
+expect_close "F outside to 1e-12" "$(field 3 4)" "$far" 1e-12
 
 # Tables as other programs write them, and from a pipe.
 printf '\xef\xbb\xbfx,y,z\r\n 2 ,\t0,+.0e0 \r\n\r\n0,0,0\r\n1,2,-2' >dos.csv
