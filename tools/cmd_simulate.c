@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* skelfield simulate: particles in the gravity of a scene's bodies. */
+#include "checkpoint.h"
 #include "launch.h"
 #include "run_bodies.h"
 #include "run_summary.h"
 #include "trajectory.h"
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <time.h>
 
 /* Everything that a run holds. */
 typedef struct simulate {
@@ -24,6 +28,10 @@ typedef struct simulate {
   bool log;
   int output_status;
   run_summary sum;
+  bool kept; /* with checkpoints */
+  checkpoint keep;
+  double every, last; /* seconds between checkpoints, the clock at the last one */
+  skf_progress bar;
 } simulate;
 
 static double degrees(double radians) { return radians * (180 / 3.14159265358979323846); }
@@ -70,6 +78,25 @@ static void warn_inside(const simulate *s) {
 
 static bool to_stdout(const char *path) { return !path || strcmp(path, "-") == 0; }
 
+/* The folder and the last part of a name that does not exist yet; of one that does, the file behind it. */
+static void true_name(const char *path, char out[PATH_MAX]) {
+  char folder[PATH_MAX];
+  if (realpath(path, out)) return;
+  const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+  snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
+  if (!realpath(folder, out)) snprintf(out, PATH_MAX, "%s", folder);
+  size_t n = strlen(out);
+  snprintf(out + n, PATH_MAX - n, "/%s", name);
+}
+
+static bool same_file(const char *a, const char *b) {
+  char x[PATH_MAX], y[PATH_MAX];
+  struct stat s, t;
+  if (stat(a, &s) == 0 && stat(b, &t) == 0) return s.st_dev == t.st_dev && s.st_ino == t.st_ino && S_ISREG(s.st_mode);
+  true_name(a, x), true_name(b, y);
+  return strcmp(x, y) == 0;
+}
+
 static int check(const cli *c, const skf_scene *scene) {
   const char *path = cli_operand(c, 0), *contacts = cli_value(c, "contacts"), *out = cli_value(c, "output");
   if (cli_given(c, "bodies")) return cli_fail(CLI_BAD, "%s: no body moves, expected motion for --bodies", path);
@@ -79,8 +106,16 @@ static int check(const cli *c, const skf_scene *scene) {
   if (cli_given(c, "json") && to_stdout(out)) return cli_fail(CLI_BAD, "--json needs -o FILE: both want stdout");
   if (contacts && to_stdout(contacts) && (to_stdout(out) || cli_given(c, "json")))
     return cli_fail(CLI_BAD, "--contacts - needs stdout for itself, expected a file name");
-  if (contacts && out && !to_stdout(out) && strcmp(contacts, out) == 0)
+  if (contacts && out && !to_stdout(out) && same_file(out, contacts))
     return cli_fail(CLI_BAD, "-o and --contacts name the same file");
+  const char *keep = cli_value(c, "checkpoint"), *resume = cli_value(c, "resume");
+  if (keep && resume && strcmp(keep, resume) != 0)
+    return cli_fail(CLI_BAD, "--checkpoint %s and --resume %s, expected the same file", keep, resume);
+  if (cli_given(c, "every-seconds") && !keep && !resume)
+    return cli_fail(CLI_BAD, "--every-seconds needs --checkpoint FILE");
+  const char *file = keep ? keep : resume;
+  if (file && ((out && same_file(file, out)) || (contacts && same_file(file, contacts)) || same_file(file, path)))
+    return cli_fail(CLI_BAD, "--checkpoint and another argument name the same file");
   return CLI_DONE;
 }
 
@@ -136,6 +171,72 @@ static int complain(const simulate *s, skf_status ended, const skf_run_failure *
   return cli_fail_status(ended, "simulate");
 }
 
+static double seconds(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Stops the run for an interrupt and for the next checkpoint. */
+static int watch(void *user, double done) {
+  const simulate *s = user;
+  return s->bar.report(s->bar.user, done) || (s->kept && seconds() - s->last >= s->every);
+}
+
+static skf_status keep_row(void *user, double t, const skf_state *states) {
+  return journal_row(&((simulate *)user)->keep, t, states);
+}
+static skf_status keep_contact(void *user, const skf_contact *c) {
+  return journal_contact(&((simulate *)user)->keep, c);
+}
+
+/* Goes on from checkpoint to checkpoint; *ended as skf_runner_fly says. */
+static int fly_on(simulate *s, skf_runner *runner, const skf_run_sink *sink, skf_status *ended,
+                  skf_run_failure *where) {
+  const skf_progress progress = {watch, s};
+  for (;;) {
+    *ended = skf_runner_fly(runner, sink, &progress, where);
+    bool asked = cli_interrupted();
+    if (!s->kept || *ended == SKF_ERR_IO) return CLI_DONE;
+    int status = checkpoint_save(&s->keep, runner);
+    s->last = seconds();
+    if (status != CLI_DONE || *ended != SKF_ERR_CANCELLED || asked) return status;
+  }
+}
+
+/* The run itself: made, or found in a checkpoint. *over: there is nothing left to do. */
+static int start(simulate *s, const skf_run *run, skf_runner **runner, bool *over, skf_status *ended,
+                 skf_run_failure *where) {
+  const char *resume = cli_value(s->c, "resume");
+  *over = false;
+  *ended = skf_runner_new(s->world, run, runner, where);
+  if (*ended || !s->kept) return CLI_DONE;
+  struct stat about;
+  bool begin = !resume || (cli_given(s->c, "checkpoint") && stat(resume, &about) != 0);
+  int status = begin ? checkpoint_begin(&s->keep) : checkpoint_resume(&s->keep, *runner, over);
+  if (status == CLI_DONE && begin) status = checkpoint_save(&s->keep, *runner);
+  s->last = seconds();
+  return status;
+}
+
+/* From the journal to the outputs. */
+static skf_status write_kept(simulate *s) {
+  return journal_replay(&s->keep, &(skf_run_sink){take_row, take_contact, s});
+}
+
+static int finish(simulate *s, skf_status ended, const skf_run_failure *where) {
+  const skf_scene *scene = s->table.scene;
+  int status = ended ? complain(s, ended, where) : CLI_DONE;
+  bool keep = s->sum.rows > 0 && ended != SKF_ERR_IO;
+  int closed = close_outputs(s, keep);
+  s->trajectory = NULL, s->log = false;
+  if (s->output_status != CLI_DONE) status = s->output_status;
+  if (s->kept && status == CLI_DONE && closed == CLI_DONE) status = checkpoint_complete(&s->keep);
+  if (s->kept && ended == SKF_ERR_CANCELLED) cli_say("skelfield: to go on: --resume %s", s->keep.path);
+  if (keep && closed == CLI_DONE) run_summary_tell(&s->sum, scene, s->reports, cli_given(s->c, "json"));
+  return status != CLI_DONE ? status : closed;
+}
+
 static int fly(simulate *s) {
   const skf_scene *scene = s->table.scene;
   const skf_simulation *sim = &scene->simulation;
@@ -145,18 +246,37 @@ static int fly(simulate *s) {
                  sim->output_every,
                  {sim->integrator, sim->tolerance, 0, sim->contact, sim->restitution, sim->friction, sim->search, false,
                   sim->step}};
-  skf_run_sink sink = {take_row, take_contact, s};
+  skf_run_sink direct = {take_row, take_contact, s}, journal = {keep_row, keep_contact, s};
   skf_run_failure where = {0, 0};
-  skf_progress progress = cli_progress("simulate");
-  skf_status ended = skf_run_all(s->world, &run, &sink, &progress, s->reports, &where);
+  skf_runner *runner = NULL;
+  skf_status ended;
+  bool over;
+  s->bar = cli_progress("simulate");
+  int status = start(s, &run, &runner, &over, &ended, &where);
+  if (status == CLI_DONE && over) cli_say("%s: the run is complete, its outputs are written", s->keep.path);
+  if (status == CLI_DONE && !over && !ended) {
+    if (!s->kept) status = open_outputs(s);
+    if (status == CLI_DONE) status = fly_on(s, runner, s->kept ? &journal : &direct, &ended, &where);
+    if (status == CLI_DONE) skf_runner_reports(runner, s->reports);
+  }
+  skf_runner_free(runner);
   cli_progress_end();
-  int status = ended ? complain(s, ended, &where) : CLI_DONE;
-  bool keep = s->sum.rows > 0 && ended != SKF_ERR_IO;
-  int closed = close_outputs(s, keep);
-  s->trajectory = NULL, s->log = false;
-  if (s->output_status != CLI_DONE) status = s->output_status;
-  if (keep && closed == CLI_DONE) run_summary_tell(&s->sum, scene, s->reports, cli_given(s->c, "json"));
-  return status != CLI_DONE ? status : closed;
+  if (status == CLI_DONE && !over && s->keep.journal && ended != SKF_ERR_IO) {
+    status = open_outputs(s);
+    skf_status written = status == CLI_DONE ? write_kept(s) : SKF_OK;
+    if (written) ended = SKF_ERR_IO;
+  }
+  return status != CLI_DONE || over ? status : finish(s, ended, &where);
+}
+
+static int keep_checkpoints(simulate *s) {
+  const char *path = cli_value(s->c, "checkpoint");
+  if (!path) path = cli_value(s->c, "resume");
+  s->kept = path != NULL, s->every = 60;
+  if (!path) return CLI_DONE;
+  s->keep = (checkpoint){.path = path, .particles = s->table.scene->particle_count};
+  s->keep.identity = checkpoint_identity(s->table.scene, s->table.scene_path, s->world, s->starts);
+  return cli_number(s->c, "every-seconds", 0, &s->every);
 }
 
 static int run_with(const cli *c, const skf_scene *scene) {
@@ -164,9 +284,10 @@ static int run_with(const cli *c, const skf_scene *scene) {
   int status = check(c, scene);
   if (status == CLI_DONE) status = prepare(&s);
   if (status == CLI_DONE) warn_inside(&s);
-  if (status == CLI_DONE) status = open_outputs(&s);
+  if (status == CLI_DONE) status = keep_checkpoints(&s);
   if (status == CLI_DONE) status = fly(&s);
   close_outputs(&s, false);
+  checkpoint_close(&s.keep);
   skf_world_free(s.world);
   skf_geo_free(s.geo);
   free(s.starts);
@@ -188,6 +309,9 @@ static const cli_option options[] = {
     {'c', "contacts", "FILE", "the contact log, CSV"},
     {'g', "ground-track", "BODY", "add lat, lon [deg] and height over this body's ellipsoid, in its turning frame"},
     {'b', "bodies", "FILE", "rows of the bodies that move, CSV (default: stdout)"},
+    {'k', "checkpoint", "FILE", "keep the run's state there (and rows in FILE.journal), now and then and on Ctrl-C"},
+    {'s', "every-seconds", "S", "between two checkpoints (default: 60)"},
+    {'r', "resume", "FILE", "go on from that checkpoint; with --checkpoint of the same name begin if there is none"},
     {'j', "json", NULL, "print the summary as JSON on stdout"},
 };
 
@@ -219,6 +343,11 @@ const cli_command cmd_simulate = {
     "     (gravity: {G}), collide with restitution and friction, and their contacts are rows of\n"
     "     t,body,other,x,y,z,nx,ny,nz,jx,jy,jz,closing: place, normal and impulse towards the other, speed of "
     "approach\n"
+    "checkpoints: a resumed run ends with the same bytes as one that was not interrupted; the outputs are written "
+    "when\n"
+    "     it ends, from the journal. What ended, even by kill -9, loses at most what was done since the last "
+    "checkpoint.\n"
+    "     The scene and the program must be the same; threads and outputs may differ.\n"
     "launch: a start on a body's ellipsoid; its speed is relative to the turning ground.\n"
     "example: skelfield simulate data/donut.yaml -o orbits.csv --contacts contacts.csv",
     run};

@@ -27,6 +27,8 @@ static int check(const cli *c, const skf_scene *scene) {
     return cli_fail(CLI_BAD, "%s: no simulation, expected one with t_end and output_every", path);
   if (scene->particle_count)
     return cli_fail(CLI_BAD, "%s: particles among bodies that move, expected either of them", path);
+  if (cli_given(c, "checkpoint") || cli_given(c, "resume") || cli_given(c, "every-seconds"))
+    return cli_fail(CLI_BAD, "%s: bodies move, expected no --checkpoint and no --resume", path);
   if (cli_given(c, "output") || cli_given(c, "ground-track") || cli_given(c, "json"))
     return cli_fail(CLI_BAD, "%s: bodies that move, expected --bodies and --contacts alone", path);
   for (size_t i = 0; i < scene->body_count; i++)

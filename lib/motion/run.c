@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Many particles: windows of output rows, particles in parallel within each. */
-#include "motion/flight.h"
+/* Many particles: windows of output rows, particles in parallel within each. A run can stop between any two steps, and
+   go on with the same bits. */
 #include "core/alloc.h"
 #include "core/vec3.h"
+#include "motion/flight.h"
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <omp.h>
@@ -20,35 +22,38 @@ typedef struct log_entry {
   size_t sequence; /* of the particle's contacts */
 } log_entry;
 
-/* Contacts that one thread has seen in this window. */
+/* Contacts of the window, as one thread has seen them. */
 typedef struct contact_log {
   log_entry *entries;
   size_t count, capacity;
 } contact_log;
 
-/* What a particle waits with: a contact later than the window. */
+/* What a particle waits with: a contact later than the window; and how far it is. */
 typedef struct pending {
   skf_contact contact;
   bool held;
   size_t sequence;
+  size_t row; /* of the window, the next one */
 } pending;
 
-typedef struct runner {
+struct skf_runner {
   const skf_world *world;
-  const skf_run *run;
+  skf_run run;
   const skf_run_sink *sink;
   const skf_progress *progress;
   double start;
-  size_t row_count;
+  size_t row_count, window, first; /* rows; in a window; before this window */
   skf_flight **flights;
   pending *waiting;
-  skf_state *rows; /* rows of the window, each of run->count states */
+  skf_state *rows; /* rows of the window, each of run.count states */
   contact_log *logs;
   int threads;
   skf_status *status; /* of each particle in this window */
   double *failed_at;
+  omp_lock_t watching;
+  size_t flown; /* rows of all particles in this window */
   int stop;
-} runner;
+};
 
 /* Rows at start + k every, and one at t_end; a multiple that is t_end up to rounding is t_end. */
 static size_t count_rows(const skf_run *run, double start) {
@@ -60,9 +65,14 @@ static size_t count_rows(const skf_run *run, double start) {
   return (size_t)whole + 1;
 }
 
-static double row_time(const runner *r, size_t k) {
-  if (k + 1 == r->row_count) return r->row_count == 1 ? r->start : r->run->t_end;
-  return r->start + (double)k * r->run->every;
+static double row_time(const skf_runner *r, size_t k) {
+  if (k + 1 == r->row_count) return r->row_count == 1 ? r->start : r->run.t_end;
+  return r->start + (double)k * r->run.every;
+}
+
+static size_t rows_in_window(const skf_runner *r) {
+  size_t left = r->row_count - r->first;
+  return r->window < left ? r->window : left;
 }
 
 static skf_status keep(contact_log *log, const skf_contact *c, size_t sequence) {
@@ -76,17 +86,31 @@ static skf_status keep(contact_log *log, const skf_contact *c, size_t sequence) 
   return SKF_OK;
 }
 
-static bool stopped(runner *r) {
+static bool stopped(skf_runner *r) {
   int stop;
 #pragma omp atomic read
   stop = r->stop;
   return stop != 0;
 }
 
+/* Tells how much is done, `part` of a row more than is counted; the thread that finds nobody else telling does. */
+static void watch(skf_runner *r, double part) {
+  if (!r->progress || !r->progress->report || !omp_test_lock(&r->watching)) return;
+  size_t flown;
+#pragma omp atomic read
+  flown = r->flown;
+  double n = (double)r->run.count, done = ((double)r->first * n + (double)flown + part) / ((double)r->row_count * n);
+  if (r->progress->report(r->progress->user, fmin(done, 1))) {
+#pragma omp atomic write
+    r->stop = 1;
+  }
+  omp_unset_lock(&r->watching);
+}
+
 /* Flies one particle to time t; contacts up to then go to the log. */
-static skf_status fly_to(runner *r, size_t i, double t, contact_log *log) {
+static skf_status fly_to(skf_runner *r, size_t i, double t, contact_log *log) {
   pending *wait = r->waiting + i;
-  double from, to;
+  double from, to, begin = NAN;
   for (;;) {
     skf_flight_span(r->flights[i], &from, &to);
     if (wait->held && wait->contact.t <= t) {
@@ -95,6 +119,8 @@ static skf_status fly_to(runner *r, size_t i, double t, contact_log *log) {
       wait->held = false;
     }
     if (to >= t) return SKF_OK;
+    if (isnan(begin)) begin = to;
+    watch(r, (to - begin) / (t - begin));
     if (stopped(r)) return SKF_ERR_CANCELLED;
     skf_status s = skf_flight_step(r->flights[i], &wait->contact, &wait->held);
     if (s) return r->failed_at[i] = to, s;
@@ -102,51 +128,73 @@ static skf_status fly_to(runner *r, size_t i, double t, contact_log *log) {
   }
 }
 
-static void watch(runner *r, double done) {
-  if (omp_get_thread_num() != 0 || !r->progress || !r->progress->report) return;
-  if (r->progress->report(r->progress->user, done)) {
-#pragma omp atomic write
-    r->stop = 1;
-  }
+/* The state at row k of the window, once the flight is there. */
+static skf_status take_row(skf_runner *r, size_t i, size_t k) {
+  double t = row_time(r, r->first + k);
+  skf_status s = skf_flight_at(r->flights[i], t, r->rows + k * r->run.count + i);
+  if (s) return s;
+  r->waiting[i].row++;
+#pragma omp atomic update
+  r->flown++;
+  return SKF_OK;
 }
 
-static skf_status fly_window(runner *r, size_t i, size_t first, size_t count) {
+static skf_status fly_window(skf_runner *r, size_t i) {
   contact_log *log = r->logs + omp_get_thread_num();
-  size_t n = r->run->count;
-  for (size_t k = 0; k < count; k++) {
-    double t = row_time(r, first + k);
-    skf_status s = fly_to(r, i, t, log);
-    if (!s) s = skf_flight_at(r->flights[i], t, r->rows + k * n + i);
+  for (size_t k; (k = r->waiting[i].row) < rows_in_window(r);) {
+    skf_status s = fly_to(r, i, row_time(r, r->first + k), log);
+    if (!s) s = take_row(r, i, k);
     if (s) return s;
-    double share = ((double)i + ((double)k + 1) / (double)count) / (double)n;
-    watch(r, ((double)first + (double)count * share) / (double)r->row_count);
   }
   return SKF_OK;
 }
 
-/* The same for m particles from i on, side by side. */
-static void fly_flock(runner *r, size_t i, size_t m, size_t first, size_t count) {
-  size_t n = r->run->count, pieces = WINDOWS / r->row_count + 1; /* so that it can be stopped */
-  skf_status *status = r->status + i;
-  double before = r->row_count > 1 && first > 0 ? row_time(r, first - 1) : r->start;
-  for (size_t j = 0; j < m; j++) status[j] = SKF_OK;
-  for (size_t k = 0; k < count; k++) {
-    double t = row_time(r, first + k), from, to;
-    skf_status s = SKF_OK;
-    for (size_t p = 1; p <= pieces && !s; p++) {
-      double share = ((double)i + (double)m * ((double)k + (double)p / (double)pieces) / (double)count) / (double)n;
-      double until = p < pieces ? before + (t - before) * (double)p / (double)pieces : t;
-      s = skf_flights_pass(r->flights + i, m, until, status);
-      watch(r, ((double)first + (double)count * share) / (double)r->row_count);
-      if (stopped(r)) s = SKF_ERR_CANCELLED;
+/* The row that the slowest of m particles comes to next. */
+static size_t slowest(const skf_runner *r, size_t i, size_t m) {
+  size_t row = SIZE_MAX;
+  for (size_t j = i; j < i + m; j++) row = r->waiting[j].row < row ? r->waiting[j].row : row;
+  return row;
+}
+
+/* Flies m particles side by side to row k of the window. */
+static skf_status fly_together(skf_runner *r, size_t i, size_t m, size_t k) {
+  size_t pieces = WINDOWS / r->row_count + 1; /* so that it can be stopped */
+  double t = row_time(r, r->first + k), before = r->first + k > 0 ? row_time(r, r->first + k - 1) : r->start;
+  for (size_t p = 1; p <= pieces; p++) {
+    double part = (double)p / (double)pieces, until = p < pieces ? before + (t - before) * part : t;
+    skf_status s = skf_flights_pass(r->flights + i, m, until, r->status + i);
+    watch(r, (double)m * part);
+    if (s) return s;
+    if (stopped(r)) return SKF_ERR_CANCELLED;
+  }
+  return SKF_OK;
+}
+
+/* The same as fly_window for m particles from i on. */
+static void fly_flock(skf_runner *r, size_t i, size_t m) {
+  for (size_t j = i; j < i + m; j++) r->status[j] = SKF_OK;
+  for (size_t k = slowest(r, i, m); k < rows_in_window(r); k++) {
+    double from, to;
+    skf_status s = fly_together(r, i, m, k);
+    for (size_t j = i; j < i + m; j++) {
+      skf_flight_span(r->flights[j], &from, &to);
+      if (r->status[j] == SKF_ERR_CONVERGENCE) r->failed_at[j] = to;
+      if (s) r->status[j] = s;
+      if (!r->status[j] && r->waiting[j].row == k) r->status[j] = take_row(r, j, k);
     }
-    for (size_t j = 0; j < m; j++) {
-      skf_flight_span(r->flights[i + j], &from, &to);
-      if (status[j] == SKF_ERR_CONVERGENCE) r->failed_at[i + j] = to;
-      if (s) status[j] = s;
-      if (!status[j]) status[j] = skf_flight_at(r->flights[i + j], t, r->rows + k * n + i + j);
-    }
-    before = t;
+    if (s) return;
+  }
+}
+
+/* All particles to the end of the window. */
+static void fly_all(skf_runner *r) {
+  size_t n = r->run.count, share = n / (4 * (size_t)r->threads) + 1, flock = share < FLOCK ? share : FLOCK;
+  if (skf_flight_in_flock(r->flights[0])) {
+#pragma omp parallel for schedule(dynamic, 1) num_threads(r->threads) if (n > 1)
+    for (size_t i = 0; i < n; i += flock) fly_flock(r, i, n - i < flock ? n - i : flock);
+  } else {
+#pragma omp parallel for schedule(dynamic, 1) num_threads(r->threads) if (n > 1)
+    for (size_t i = 0; i < n; i++) r->status[i] = fly_window(r, i);
   }
 }
 
@@ -158,7 +206,7 @@ static int by_time(const void *a, const void *b) {
 }
 
 /* All threads' contacts of the window in one list, in order. */
-static skf_status merge(runner *r, contact_log *all) {
+static skf_status merge(skf_runner *r, contact_log *all) {
   *all = (contact_log){0};
   for (int t = 0; t < r->threads; t++) {
     for (size_t k = 0; k < r->logs[t].count; k++) {
@@ -172,26 +220,26 @@ static skf_status merge(runner *r, contact_log *all) {
 }
 
 /* Hands contacts and rows on, in order of time, up to but not including the time `before`. */
-static skf_status deliver(runner *r, size_t first, size_t count, double before) {
+static skf_status deliver(skf_runner *r, double before) {
   contact_log all;
   skf_status s = merge(r, &all);
   size_t c = 0;
-  for (size_t k = 0; k < count && !s; k++) {
-    double t = row_time(r, first + k);
+  for (size_t k = 0; k < rows_in_window(r) && !s; k++) {
+    double t = row_time(r, r->first + k);
     if (t >= before) break;
     for (; c < all.count && all.entries[c].contact.t <= t && !s; c++)
       if (r->sink->contact) s = r->sink->contact(r->sink->user, &all.entries[c].contact);
-    if (!s && r->sink->row) s = r->sink->row(r->sink->user, t, r->rows + k * r->run->count);
+    if (!s && r->sink->row) s = r->sink->row(r->sink->user, t, r->rows + k * r->run.count);
   }
   skf_free(all.entries);
   return s;
 }
 
 /* The worst of a window: cancelled, out of memory, or the particle that failed first. */
-static skf_status verdict(const runner *r, skf_run_failure *failure) {
+static skf_status verdict(const skf_runner *r, skf_run_failure *failure) {
   skf_status worst = SKF_OK;
   skf_run_failure first = {0, INFINITY};
-  for (size_t i = 0; i < r->run->count; i++) {
+  for (size_t i = 0; i < r->run.count; i++) {
     skf_status s = r->status[i];
     if (s == SKF_ERR_CONVERGENCE && r->failed_at[i] < first.t) first = (skf_run_failure){i, r->failed_at[i]};
     if (s && (worst == SKF_OK || worst == SKF_ERR_CONVERGENCE)) worst = s;
@@ -200,53 +248,51 @@ static skf_status verdict(const runner *r, skf_run_failure *failure) {
   return worst;
 }
 
-static skf_status fly_all(runner *r, size_t window, skf_run_failure *failure) {
-  size_t n = r->run->count;
-  for (size_t first = 0; first < r->row_count; first += window) {
-    size_t count = window < r->row_count - first ? window : r->row_count - first;
-    if (skf_flight_in_flock(r->flights[0])) {
-      size_t share = n / (4 * (size_t)r->threads) + 1, flock = share < FLOCK ? share : FLOCK;
-#pragma omp parallel for schedule(dynamic, 1) if (n > 1)
-      for (size_t i = 0; i < n; i += flock) fly_flock(r, i, n - i < flock ? n - i : flock, first, count);
-    } else {
-#pragma omp parallel for schedule(dynamic, 1) if (n > 1)
-      for (size_t i = 0; i < n; i++) r->status[i] = fly_window(r, i, first, count);
-    }
+skf_status skf_runner_fly(skf_runner *r, const skf_run_sink *sink, const skf_progress *progress,
+                          skf_run_failure *failure) {
+  size_t n = r->run.count;
+  r->sink = sink, r->progress = progress, r->stop = 0;
+  while (r->first < r->row_count) {
+    fly_all(r);
     skf_run_failure where = {0, INFINITY};
     skf_status bad = verdict(r, &where);
     if (bad == SKF_ERR_CONVERGENCE && failure) *failure = where;
     if (bad && bad != SKF_ERR_CONVERGENCE) return bad;
-    skf_status s = deliver(r, first, count, where.t);
+    skf_status s = deliver(r, where.t);
     if (s || bad) return s ? s : bad;
+    r->first += rows_in_window(r), r->flown = 0;
+    for (size_t i = 0; i < n; i++) r->waiting[i].row = 0;
   }
   return SKF_OK;
 }
 
-static skf_status launch(runner *r, skf_run_failure *failure) {
-  for (size_t i = 0; i < r->run->count; i++) {
-    const skf_state *at = r->run->start + i;
-    if (at->t != r->start) return SKF_ERR_ARG;
-    skf_status s = skf_flight_new(r->world, &r->run->flight, at, r->flights + i);
-    if (s == SKF_ERR_CONVERGENCE && failure) *failure = (skf_run_failure){i, r->start};
-    if (s) return s;
+static skf_status launch(skf_runner *r, skf_run_failure *failure) {
+  size_t n = r->run.count;
+#pragma omp parallel for schedule(static) num_threads(r->threads) if (n > 1000)
+  for (size_t i = 0; i < n; i++)
+    r->status[i] = skf_flight_new(r->world, &r->run.flight, r->run.start + i, r->flights + i);
+  for (size_t i = 0; i < n; i++) {
+    if (r->run.start[i].t != r->start) return SKF_ERR_ARG;
+    if (r->status[i] == SKF_ERR_CONVERGENCE && failure) *failure = (skf_run_failure){i, r->start};
+    if (r->status[i]) return r->status[i];
   }
   return SKF_OK;
 }
 
-static bool allocate(runner *r, size_t window) {
-  size_t n = r->run->count;
-  r->threads = omp_get_max_threads();
+static bool allocate(skf_runner *r) {
+  size_t n = r->run.count;
   r->flights = skf_alloc(n, sizeof *r->flights);
   r->waiting = skf_alloc(n, sizeof *r->waiting);
   r->status = skf_alloc(n, sizeof *r->status);
   r->failed_at = skf_alloc(n, sizeof *r->failed_at);
-  r->rows = skf_alloc(n * window, sizeof *r->rows);
+  r->rows = skf_alloc(n * r->window, sizeof *r->rows);
   r->logs = skf_alloc((size_t)r->threads, sizeof *r->logs);
   return r->flights && r->waiting && r->status && r->failed_at && r->rows && r->logs;
 }
 
-static void release(runner *r) {
-  for (size_t i = 0; r->flights && i < r->run->count; i++) skf_flight_free(r->flights[i]);
+void skf_runner_free(skf_runner *r) {
+  if (!r) return;
+  for (size_t i = 0; r->flights && i < r->run.count; i++) skf_flight_free(r->flights[i]);
   for (int t = 0; r->logs && t < r->threads; t++) skf_free(r->logs[t].entries);
   skf_free(r->flights);
   skf_free(r->waiting);
@@ -254,21 +300,97 @@ static void release(runner *r) {
   skf_free(r->failed_at);
   skf_free(r->rows);
   skf_free(r->logs);
+  omp_destroy_lock(&r->watching);
+  skf_free(r);
+}
+
+skf_status skf_runner_new(const skf_world *world, const skf_run *run, skf_runner **out, skf_run_failure *failure) {
+  *out = NULL;
+  double start = run->count ? run->start[0].t : run->t_end;
+  if (!isfinite(run->t_end) || run->t_end < start || !(run->every >= 0)) return SKF_ERR_ARG;
+  skf_runner *r = skf_alloc(1, sizeof *r);
+  if (!r) return SKF_ERR_NOMEM;
+  omp_init_lock(&r->watching);
+  r->world = world, r->run = *run, r->start = start;
+  r->row_count = run->count ? count_rows(run, start) : 0;
+  size_t most = run->count ? HELD / run->count + 1 : 1;
+  r->window = r->row_count / WINDOWS + 1;
+  if (r->window > most) r->window = most;
+  r->threads = omp_get_max_threads();
+  skf_status s = allocate(r) ? launch(r, failure) : SKF_ERR_NOMEM;
+  if (s) return skf_runner_free(r), s;
+  return *out = r, SKF_OK;
+}
+
+void skf_runner_reports(const skf_runner *r, skf_flight_report *reports) {
+  for (size_t i = 0; i < r->run.count; i++) reports[i] = skf_flight_get_report(r->flights[i]);
+}
+
+/* What a saved run begins with. */
+typedef struct place {
+  uint64_t count, row_count, window, first, state_size, contacts;
+} place;
+
+static place place_of(const skf_runner *r) {
+  size_t size = r->run.count ? skf_flight_state_size(r->flights[0]) : 0;
+  place p = {r->run.count, r->row_count, r->window, r->first, size, 0};
+  for (int t = 0; t < r->threads; t++) p.contacts += r->logs[t].count;
+  return p;
+}
+
+skf_status skf_runner_save(const skf_runner *r, skf_status (*write)(void *user, const void *bytes, size_t n),
+                           void *user) {
+  place p = place_of(r);
+  size_t n = r->run.count;
+  char *state = skf_alloc(p.state_size + 1, 1);
+  skf_status s = state ? write(user, &p, sizeof p) : SKF_ERR_NOMEM;
+  for (size_t i = 0; i < n && !s; i++) {
+    skf_flight_save(r->flights[i], state);
+    s = write(user, state, p.state_size);
+    if (!s) s = write(user, r->waiting + i, sizeof r->waiting[i]);
+    for (size_t k = 0; k < r->waiting[i].row && !s; k++) s = write(user, r->rows + k * n + i, sizeof *r->rows);
+  }
+  for (int t = 0; t < r->threads && !s; t++)
+    if (r->logs[t].count) s = write(user, r->logs[t].entries, r->logs[t].count * sizeof(log_entry));
+  skf_free(state);
+  return s;
+}
+
+skf_status skf_runner_load(skf_runner *r, skf_status (*read)(void *user, void *bytes, size_t n), void *user) {
+  place mine = place_of(r), p;
+  size_t n = r->run.count;
+  skf_status s = read(user, &p, sizeof p);
+  if (s) return s;
+  bool same = p.count == n && p.row_count == mine.row_count && p.window == mine.window;
+  if (!same || p.state_size != mine.state_size || p.first > p.row_count) return SKF_ERR_PARSE;
+  char *state = skf_alloc(p.state_size + 1, 1);
+  if (!state) return SKF_ERR_NOMEM;
+  r->first = p.first, r->flown = 0;
+  for (size_t i = 0; i < n && !s; i++) {
+    s = read(user, state, p.state_size);
+    if (!s) s = read(user, r->waiting + i, sizeof r->waiting[i]);
+    if (!s && r->waiting[i].row > rows_in_window(r)) s = SKF_ERR_PARSE;
+    if (!s) skf_flight_load(r->flights[i], state);
+    for (size_t k = 0; !s && k < r->waiting[i].row; k++, r->flown++)
+      s = read(user, r->rows + k * n + i, sizeof *r->rows);
+  }
+  for (uint64_t k = 0; k < p.contacts && !s; k++) {
+    log_entry e;
+    s = read(user, &e, sizeof e);
+    if (!s) s = keep(r->logs, &e.contact, e.sequence);
+  }
+  skf_free(state);
+  return s;
 }
 
 skf_status skf_run_all(const skf_world *world, const skf_run *run, const skf_run_sink *sink,
                        const skf_progress *progress, skf_flight_report *reports, skf_run_failure *failure) {
-  size_t n = run->count;
-  if (n == 0) return SKF_OK;
-  runner r = {.world = world, .run = run, .sink = sink, .progress = progress, .start = run->start[0].t};
-  if (!isfinite(run->t_end) || run->t_end < r.start || !(run->every >= 0)) return SKF_ERR_ARG;
-  r.row_count = count_rows(run, r.start);
-  size_t window = r.row_count / WINDOWS + 1, most = HELD / n + 1;
-  if (window > most) window = most;
-  skf_status s = allocate(&r, window) ? launch(&r, failure) : SKF_ERR_NOMEM;
-  if (!s) s = fly_all(&r, window, failure);
-  for (size_t i = 0; i < n && reports && r.flights; i++)
-    reports[i] = r.flights[i] ? skf_flight_get_report(r.flights[i]) : (skf_flight_report){0};
-  release(&r);
+  skf_runner *r;
+  if (run->count == 0) return SKF_OK;
+  if (reports) memset(reports, 0, run->count * sizeof *reports);
+  skf_status s = skf_runner_new(world, run, &r, failure);
+  if (!s) s = skf_runner_fly(r, sink, progress, failure);
+  if (r && reports) skf_runner_reports(r, reports);
+  skf_runner_free(r);
   return s;
 }

@@ -265,6 +265,28 @@ typedef struct skf_run_failure {
 SKF_API skf_status skf_run_all(const skf_world *world, const skf_run *run, const skf_run_sink *sink,
                                const skf_progress *progress, skf_flight_report *reports, skf_run_failure *failure);
 
+/* A run in pieces: it can stop between any two steps, be saved, and go on with the same bits, in this process or in
+   another one. */
+typedef struct skf_runner skf_runner;
+
+/* The particles at their start. The world and run->start are borrowed. Errors of skf_flight_new; failure as below. */
+SKF_API skf_status skf_runner_new(const skf_world *world, const skf_run *run, skf_runner **out,
+                                  skf_run_failure *failure);
+SKF_API void skf_runner_free(skf_runner *runner);
+/* Goes on to the end. SKF_ERR_CANCELLED when the progress asks to stop: call it again to go on. */
+SKF_API skf_status skf_runner_fly(skf_runner *runner, const skf_run_sink *sink, const skf_progress *progress,
+                                  skf_run_failure *failure);
+/* One report a particle. */
+SKF_API void skf_runner_reports(const skf_runner *runner, skf_flight_report *reports);
+/* Everything that the rest of the run depends on, as bytes for the same build of the library, about 1.5 kB a particle;
+   what has been delivered is not among them. A status of `write` other than SKF_OK ends it. */
+SKF_API skf_status skf_runner_save(const skf_runner *runner,
+                                   skf_status (*write)(void *user, const void *bytes, size_t n), void *user);
+/* The same into a new runner of the same world and run; SKF_ERR_PARSE when they are of another one, and then, as after
+   a status of `read`, it is to be freed. */
+SKF_API skf_status skf_runner_load(skf_runner *runner, skf_status (*read)(void *user, void *bytes, size_t n),
+                                   void *user);
+
 #ifdef __cplusplus
 }
 #endif

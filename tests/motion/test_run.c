@@ -175,6 +175,103 @@ static void failures_say_who_and_when(void **state) {
   skf_field_free(f);
 }
 
+/* A file in memory. */
+typedef struct bytes {
+  char *data;
+  size_t n, at, room;
+} bytes;
+
+static skf_status put(void *user, const void *from, size_t n) {
+  bytes *b = user;
+  if (b->n + n > b->room) b->data = realloc(b->data, b->room = 2 * (b->n + n));
+  assert_non_null(b->data);
+  memcpy(b->data + b->n, from, n);
+  b->n += n;
+  return SKF_OK;
+}
+
+static skf_status get(void *user, void *to, size_t n) {
+  bytes *b = user;
+  if (b->at + n > b->n) return SKF_ERR_IO;
+  memcpy(to, b->data + b->at, n);
+  b->at += n;
+  return SKF_OK;
+}
+
+/* Asks to stop after so many calls. */
+static int countdown(void *user, double done) {
+  assert_true(done >= 0 && done <= 1);
+  return --*(long *)user <= 0;
+}
+
+/* Stopped again and again, between any two steps, each time saved and loaded into a new runner on another number of
+   threads: the same rows, contacts and reports to the last bit. */
+static void interrupted(double t_end, double every, const skf_flight_options *options, bool touching) {
+  record *whole = calloc(1, sizeof *whole), *parts = calloc(1, sizeof *parts);
+  skf_flight_report want[COUNT], got[COUNT];
+  skf_run run = {COUNT, start, t_end, every, *options};
+  assert_int_equal(skf_run_all(world, &run, &(skf_run_sink){row, contact, whole}, NULL, want, NULL), SKF_OK);
+  assert_int_equal(whole->contacts > 0, touching);
+  int before = omp_get_max_threads(), stops = 0;
+  skf_runner *r;
+  assert_int_equal(skf_runner_new(world, &run, &r, NULL), SKF_OK);
+  for (long patience = 1;; patience = 1 + (patience * 7 + 3) % 499, stops++) {
+    long left = patience;
+    skf_status s = skf_runner_fly(r, &(skf_run_sink){row, contact, parts}, &(skf_progress){countdown, &left}, NULL);
+    if (!s) break;
+    assert_int_equal(s, SKF_ERR_CANCELLED);
+    bytes b = {0};
+    assert_int_equal(skf_runner_save(r, put, &b), SKF_OK);
+    skf_runner_free(r);
+    omp_set_num_threads(1 + stops % 3);
+    assert_int_equal(skf_runner_new(world, &run, &r, NULL), SKF_OK);
+    assert_int_equal(skf_runner_load(r, get, &b), SKF_OK);
+    assert_int_equal(b.at, b.n);
+    free(b.data);
+  }
+  omp_set_num_threads(before);
+  skf_runner_reports(r, got);
+  skf_runner_free(r);
+  assert_true(stops > 1);
+  assert_memory_equal(whole, parts, sizeof *whole);
+  for (int i = 0; i < COUNT; i++) {
+    assert_int_equal(want[i].steps, got[i].steps);
+    assert_int_equal(want[i].evaluations, got[i].evaluations);
+    assert_true(want[i].energy_drift == got[i].energy_drift ||
+                (isnan(want[i].energy_drift) && isnan(got[i].energy_drift)));
+  }
+  free(whole), free(parts);
+}
+
+static void interruptions_change_nothing(void **state) {
+  (void)state;
+  for (size_t i = 0; i < skf_integrator_count(); i++) {
+    const skf_integrator_info *info = skf_integrator_get(i);
+    if (!info->adaptive) continue; /* those ask for a step */
+    skf_flight_options o = bounce, free = {.contact = SKF_CONTACT_NONE};
+    o.integrator = free.integrator = info->name;
+    interrupted(6, 0.1, &o, true);
+    interrupted(6, 6, &o, true);
+    interrupted(0.8, 0.01, &free, false);
+    interrupted(0.8, 0.8, &free, false);
+  }
+}
+
+static void a_run_is_not_another_one(void **state) {
+  (void)state;
+  skf_run run = {COUNT, start, 6, 0.1, bounce}, other = {COUNT - 1, start, 6, 0.1, bounce};
+  skf_runner *r, *q;
+  bytes b = {0};
+  assert_int_equal(skf_runner_new(world, &run, &r, NULL), SKF_OK);
+  assert_int_equal(skf_runner_new(world, &other, &q, NULL), SKF_OK);
+  assert_int_equal(skf_runner_save(r, put, &b), SKF_OK);
+  assert_int_equal(skf_runner_load(q, get, &b), SKF_ERR_PARSE);
+  b.at = 0, b.n -= 1;
+  assert_int_equal(skf_runner_load(r, get, &b), SKF_ERR_IO);
+  skf_runner_free(q), skf_runner_free(r);
+  free(b.data);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(rows_fall_on_multiples_and_the_end),
@@ -183,6 +280,8 @@ int main(void) {
       cmocka_unit_test(output_does_not_steer),
       cmocka_unit_test(company_changes_nothing),
       cmocka_unit_test(failures_say_who_and_when),
+      cmocka_unit_test(interruptions_change_nothing),
+      cmocka_unit_test(a_run_is_not_another_one),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Rows and contacts go to a journal while the run lasts, and from there to the outputs when it ends: so the outputs of
+   an interrupted run are the bytes of one that was not. */
+#include "checkpoint.h"
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char magic[16] = "skelfield ckpt 1";
+
+/* What the file begins with; the runner's state and the sum of all of it follow. */
+typedef struct head {
+  char magic[16], version[32];
+  uint64_t identity, journal; /* bytes */
+  uint64_t complete;
+} head;
+
+/* A file with the sum of its bytes so far. */
+typedef struct summed {
+  FILE *file;
+  uint64_t sum;
+} summed;
+
+static uint64_t add(uint64_t h, const void *bytes, size_t n) {
+  const unsigned char *p = bytes;
+  for (; n >= 8; n -= 8, p += 8) {
+    uint64_t word;
+    memcpy(&word, p, 8);
+    h = (h ^ word) * 0x9e3779b97f4a7c15u, h ^= h >> 32;
+  }
+  for (size_t i = 0; i < n; i++) h = (h ^ p[i]) * 0x9e3779b97f4a7c15u, h ^= h >> 32;
+  return h;
+}
+
+static skf_status put(void *user, const void *bytes, size_t n) {
+  summed *f = user;
+  f->sum = add(f->sum, bytes, n);
+  return fwrite(bytes, 1, n, f->file) == n ? SKF_OK : SKF_ERR_IO;
+}
+
+static skf_status get(void *user, void *bytes, size_t n) {
+  summed *f = user;
+  if (fread(bytes, 1, n, f->file) != n) return SKF_ERR_IO;
+  f->sum = add(f->sum, bytes, n);
+  return SKF_OK;
+}
+
+uint64_t checkpoint_identity(const skf_scene *scene, const char *scene_path, const skf_world *world,
+                             const skf_state *starts) {
+  enum { PROBES = 1000 };
+  const skf_simulation *s = &scene->simulation;
+  const double numbers[] = {s->t_end, s->output_every, s->tolerance, s->contact, s->restitution, s->friction};
+  uint64_t h = add(1, numbers, sizeof numbers);
+  char block[4096];
+  FILE *f = fopen(scene_path, "rb");
+  for (size_t n; f && (n = fread(block, 1, sizeof block, f)) > 0;) h = add(h, block, n);
+  if (f) fclose(f);
+  h = add(h, starts, scene->particle_count * sizeof *starts);
+  for (size_t i = 0; i < scene->particle_count && i < PROBES; i++) { /* meshes are in other files */
+    double u = skf_world_at(world, 0, starts[i].position, NULL);
+    h = add(h, &u, sizeof u);
+  }
+  return h;
+}
+
+static int broken(const char *what) { return cli_fail(CLI_FAILED, "%s: %s", what, strerror(errno)); }
+
+static int name_journal(checkpoint *c) {
+  int n = snprintf(c->journal_path, sizeof c->journal_path, "%s.journal", c->path);
+  if (n < (int)sizeof c->journal_path) return CLI_DONE;
+  return cli_fail(CLI_BAD, "%s: expected a shorter name", c->path);
+}
+
+int checkpoint_begin(checkpoint *c) {
+  int status = name_journal(c);
+  if (status) return status;
+  if (unlink(c->path) && errno != ENOENT) return broken(c->path); /* it is about another journal */
+  c->journal = fopen(c->journal_path, "w+b");
+  return c->journal ? CLI_DONE : broken(c->journal_path);
+}
+
+static int foreign(const checkpoint *c, const char *what, const char *wanted) {
+  return cli_fail(CLI_BAD, "%s: %s, expected %s", c->path, what, wanted);
+}
+
+static int read_state(checkpoint *c, summed *f, head *h, skf_runner *runner) {
+  if (get(f, h, sizeof *h) || memcmp(h->magic, magic, sizeof magic) != 0)
+    return foreign(c, "this is no checkpoint", "one that skelfield simulate --checkpoint wrote");
+  h->version[sizeof h->version - 1] = 0;
+  if (strcmp(h->version, skf_version()) != 0)
+    return foreign(c, "a checkpoint of another version of skelfield", skf_version());
+  if (h->identity != c->identity)
+    return foreign(c, "a checkpoint of another scene", "the scene that it was written for, unchanged");
+  skf_status s = h->complete ? SKF_OK : skf_runner_load(runner, get, f);
+  uint64_t sum = f->sum, kept;
+  if (s == SKF_ERR_NOMEM) return cli_fail(CLI_FAILED, "out of memory");
+  if (s || get(f, &kept, sizeof kept) || kept != sum) return foreign(c, "the checkpoint is damaged", "a whole one");
+  return CLI_DONE;
+}
+
+int checkpoint_resume(checkpoint *c, skf_runner *runner, bool *complete) {
+  head h;
+  *complete = false;
+  int status = name_journal(c);
+  if (status) return status;
+  summed f = {fopen(c->path, "rb"), 1};
+  if (!f.file) return cli_fail(CLI_BAD, "%s: %s, expected a checkpoint", c->path, strerror(errno));
+  status = read_state(c, &f, &h, runner);
+  fclose(f.file);
+  if (status) return status;
+  *complete = h.complete != 0;
+  if (*complete) return CLI_DONE;
+  c->journal = fopen(c->journal_path, "r+b");
+  if (!c->journal)
+    return cli_fail(CLI_BAD, "%s: %s, expected it beside the checkpoint", c->journal_path, strerror(errno));
+  if (fseeko(c->journal, 0, SEEK_END) || (uint64_t)ftello(c->journal) < h.journal)
+    return cli_fail(CLI_BAD, "%s: shorter than the checkpoint says, expected the journal that belongs to it",
+                    c->journal_path);
+  if (ftruncate(fileno(c->journal), (off_t)h.journal) || fseeko(c->journal, 0, SEEK_END))
+    return broken(c->journal_path);
+  return CLI_DONE;
+}
+
+/* Writes a file beside the checkpoint and gives it its name when all of it is on the disk. */
+static int write_state(checkpoint *c, const head *h, const skf_runner *runner) {
+  char temp[4096 + 8];
+  snprintf(temp, sizeof temp, "%s.new", c->path);
+  summed f = {fopen(temp, "wb"), 1};
+  if (!f.file) return broken(temp);
+  skf_status s = put(&f, h, sizeof *h);
+  if (!s && !h->complete) s = skf_runner_save(runner, put, &f);
+  uint64_t sum = f.sum;
+  if (!s) s = put(&f, &sum, sizeof sum);
+  bool good = !s && fflush(f.file) == 0 && fsync(fileno(f.file)) == 0;
+  if (fclose(f.file) || !good || rename(temp, c->path)) {
+    int status = broken(c->path);
+    unlink(temp);
+    return status;
+  }
+  return CLI_DONE;
+}
+
+static head head_of(const checkpoint *c, uint64_t journal, bool complete) {
+  head h = {.identity = c->identity, .journal = journal, .complete = complete};
+  memcpy(h.magic, magic, sizeof magic);
+  snprintf(h.version, sizeof h.version, "%s", skf_version());
+  return h;
+}
+
+int checkpoint_save(checkpoint *c, const skf_runner *runner) {
+  if (fflush(c->journal) || fsync(fileno(c->journal))) return broken(c->journal_path);
+  head h = head_of(c, (uint64_t)ftello(c->journal), false);
+  return write_state(c, &h, runner);
+}
+
+int checkpoint_complete(checkpoint *c) {
+  head h = head_of(c, 0, true);
+  int status = write_state(c, &h, NULL);
+  if (status == CLI_DONE && unlink(c->journal_path)) status = broken(c->journal_path);
+  return status;
+}
+
+void checkpoint_close(checkpoint *c) {
+  if (c->journal) fclose(c->journal);
+  c->journal = NULL;
+}
+
+/* An entry: 'r', t, six numbers a particle; or 'c' and a contact. */
+
+static skf_status journal_put(checkpoint *c, char kind, const void *bytes, size_t n) {
+  bool good = putc(kind, c->journal) != EOF && fwrite(bytes, 1, n, c->journal) == n;
+  if (!good) broken(c->journal_path);
+  return good ? SKF_OK : SKF_ERR_IO;
+}
+
+skf_status journal_row(checkpoint *c, double t, const skf_state *states) {
+  skf_status s = journal_put(c, 'r', &t, sizeof t);
+  for (size_t i = 0; i < c->particles && !s; i++)
+    if (fwrite(&states[i].position, sizeof(skf_vec3), 2, c->journal) != 2) broken(c->journal_path), s = SKF_ERR_IO;
+  return s;
+}
+
+skf_status journal_contact(checkpoint *c, const skf_contact *contact) {
+  return journal_put(c, 'c', contact, sizeof *contact);
+}
+
+static skf_status replay_row(checkpoint *c, skf_state *states, const skf_run_sink *sink) {
+  double t;
+  bool good = fread(&t, sizeof t, 1, c->journal) == 1;
+  for (size_t i = 0; i < c->particles && good; i++) {
+    states[i].t = t;
+    good = fread(&states[i].position, sizeof(skf_vec3), 2, c->journal) == 2;
+  }
+  return good ? sink->row(sink->user, t, states) : SKF_ERR_IO;
+}
+
+skf_status journal_replay(checkpoint *c, const skf_run_sink *sink) {
+  skf_state *states = calloc(c->particles, sizeof *states);
+  if (!states) return SKF_ERR_NOMEM;
+  skf_status s = fflush(c->journal) || fseeko(c->journal, 0, SEEK_SET) ? SKF_ERR_IO : SKF_OK;
+  for (int kind; !s && (kind = getc(c->journal)) != EOF;) {
+    skf_contact contact;
+    if (kind == 'r')
+      s = replay_row(c, states, sink);
+    else if (kind == 'c' && fread(&contact, sizeof contact, 1, c->journal) == 1)
+      s = sink->contact(sink->user, &contact);
+    else
+      s = SKF_ERR_IO;
+  }
+  free(states);
+  return s;
+}
