@@ -110,7 +110,7 @@ int checkpoint_resume(checkpoint *c, skf_runner *runner, bool *complete) {
   fclose(f.file);
   if (status) return status;
   *complete = h.complete != 0;
-  if (*complete) return CLI_DONE;
+  if (*complete) return unlink(c->journal_path), CLI_DONE; /* a kill may have left it */
   c->journal = fopen(c->journal_path, "r+b");
   if (!c->journal)
     return cli_fail(CLI_BAD, "%s: %s, expected it beside the checkpoint", c->journal_path, strerror(errno));

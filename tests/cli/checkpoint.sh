@@ -50,6 +50,7 @@ for f in $formats; do
   expect_status "a run that is complete is done" 0
   expect "and makes nothing" [ ! -e part.$f ]
 done
+rm -f .part.* .hits.* # of a kill while the outputs were written
 expect "nothing else is left" [ "$(ls -A | tr '\n' ' ' | sed 's/whole.h5 //')" = "part.ckpt rain.yaml whole-hits.csv whole.csv " ]
 
 # Interrupted: the files hold what was done, and it can go on from there.
