@@ -168,6 +168,11 @@ static void scan(sweep *s, double a, double b, size_t first, size_t last, int de
   skf_pose pa = skf_rigid_at(&s->duel.ma, t), pb = skf_rigid_at(&s->duel.mb, t);
   size_t base = s->count;
   for (size_t i = first; i < last && !s->status; i++) refine(s, &pa, &pb, t, h, s->stack[i]);
+  if (s->cells > MOST_CELLS) { /* given up: from here on nothing is certified */
+    if (s->doubt == INFINITY) s->doubt = a, s->doubt_at = s->stack[first].center;
+    s->count = base;
+    return;
+  }
   size_t end = s->count;
   if (end == base || s->status) return;
   guess_touch(s, t, h, base);
@@ -274,7 +279,6 @@ skf_status skf_collide(const skf_collider *a, const skf_pose *pa, const skf_coll
 }
 
 static void first(sweep *s, double t0, double t1, skf_meet *out) {
-  size_t cells = s->cells;
   s->begin = t0, s->until = s->doubt = INFINITY, s->grazing = 0;
   s->far = fmax(reach_of(s->duel.a, &s->duel.ma, t0), reach_of(s->duel.a, &s->duel.ma, t1)) +
            fmax(reach_of(s->duel.b, &s->duel.mb, t0), reach_of(s->duel.b, &s->duel.mb, t1));
@@ -282,7 +286,7 @@ static void first(sweep *s, double t0, double t1, skf_meet *out) {
   push(s, whole(s->duel.a));
   if (!s->status) scan(s, t0, t1, 0, 1, DEPTH);
   skf_kiss k = {.t = t1};
-  bool over = s->cells > MOST_CELLS + cells, met = s->until <= t1;
+  bool over = s->cells > MOST_CELLS, met = s->until <= t1 && !over;
   if (met && !s->sure && s->doubt < s->until) s->kiss.t = s->doubt; /* the start of what could not be told apart */
   if (met) k = s->sure ? s->kiss : settle(s, s->kiss.t, s->kiss.p);
   if (!met && s->doubt < INFINITY) k = settle(s, s->doubt, s->doubt_at);

@@ -281,7 +281,7 @@ skf_status skf_flights_pass(skf_flight *const *flights, size_t n, double t, skf_
     skf_flight *f = flights[i];
     bool moves = f->orbit.t.hi < t && !status[i];
     lanes[i] = (skf_lane){f->work,      &f->orbit, &f->from, &f->report, &f->ode.evaluations, f->options.tolerance,
-                          longest_step, f,         SKF_OK};
+                          longest_step, f,         status[i]};
     if (moves) f->stepped = true, f->dense = false;
   }
   if (n) flights[0]->ops->pass(&flights[0]->ode, lanes, n, t);

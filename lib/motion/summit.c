@@ -4,14 +4,16 @@
 #include "motion/view.h"
 #include <float.h>
 
-enum { DEPTH = 50 };
+/* PATIENCE: places looked at in one step, before F is believed to be the same along it, as on a circular orbit: it
+   would take some 1e7 of them. */
+enum { DEPTH = 50, PATIENCE = 20000 };
 
 static void consider(const skf_view *v, double s, skf_sight *best) {
   skf_sight at = skf_view_at(v, s);
   if (at.f > best->f) *best = at;
 }
 
-static void climb(const skf_view *v, double a, double b, int depth, skf_sight *best) {
+static void climb(const skf_view *v, double a, double b, int depth, int *left, skf_sight *best) {
   double half = 0.5 * (b - a), middle = a + half;
   skf_glance m = skf_view_place(v, middle, half);
   if (!skf_view_measure(v, &m, half, best->f)) { /* below it, or all inside: then any place is as good */
@@ -19,11 +21,11 @@ static void climb(const skf_view *v, double a, double b, int depth, skf_sight *b
     return;
   }
   if (m.f > best->f) consider(v, middle, best);
-  if (m.hi <= best->f + 2 * m.rough || depth == 0) return;
+  if (m.hi <= best->f + 2 * m.rough || depth == 0 || --*left < 0) return;
   if (fabs(m.slope) > m.second * half) return consider(v, m.slope > 0 ? b : a, best);
   bool upper = m.slope > 0;
-  climb(v, upper ? middle : a, upper ? b : middle, depth - 1, best);
-  climb(v, upper ? a : middle, upper ? middle : b, depth - 1, best);
+  climb(v, upper ? middle : a, upper ? b : middle, depth - 1, left, best);
+  climb(v, upper ? a : middle, upper ? middle : b, depth - 1, left, best);
 }
 
 /* The slope's zero nearby: the value alone tells the place to the root of its precision only. */
@@ -46,8 +48,9 @@ static void refine(const skf_view *v, double a, double b, skf_sight *best) {
 
 void skf_view_summit(const skf_view *v, double a, double b, skf_sight *best) {
   double before = best->f;
+  int left = PATIENCE;
   consider(v, a, best);
   consider(v, b, best);
-  climb(v, a, b, DEPTH, best);
+  climb(v, a, b, DEPTH, &left, best);
   if (best->f > before && best->s > a && best->s < b) refine(v, a, b, best);
 }

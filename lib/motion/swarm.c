@@ -130,24 +130,63 @@ static skf_rigid_motion motion_of(const skf_swarm *s, const double *y, const dou
   return m;
 }
 
-/* Whether two bodies may meet during h, by the balls about their centers of mass. */
-static bool close_by(const skf_swarm *s, const double *y, size_t i, size_t j, double h) {
+/* Whether two bodies may meet while they come closer by no more than `way`: by the balls about their centers of mass.
+ */
+static bool close_by(const skf_swarm *s, size_t i, size_t j, double way) {
   const skf_collider *a = body(s, i)->hull, *b = body(s, j)->hull;
   if (!a->bounded || !b->bounded) return true;
-  skf_attitude p = skf_mover_at(s, y, i), q = skf_mover_at(s, y, j);
+  skf_attitude p = skf_mover_at(s, s->y, i), q = skf_mover_at(s, s->y, j);
   double R = a->radius + v3_dist(a->center, body(s, i)->center) + b->radius + v3_dist(b->center, body(s, j)->center);
-  return v3_dist(p.x, q.x) < R + 2 * h * (v3_norm(p.v) + v3_norm(q.v)) + 2 * h * h * v3_norm(s->options.gravity);
+  return v3_dist(p.x, q.x) <= (R + way) * (1 + 1e-12);
 }
 
 /* The longest step that the turns of bodies near to each other allow. */
 static double longest(const skf_swarm *s, double h) {
   for (size_t i = 0; i < s->n; i++)
     for (size_t j = i + 1; j < s->n; j++) {
-      if ((!body(s, i)->free && !body(s, j)->free) || !close_by(s, s->y, i, j, h)) continue;
+      if (!body(s, i)->free && !body(s, j)->free) continue;
       skf_attitude a = skf_mover_at(s, s->y, i), b = skf_mover_at(s, s->y, j);
+      double way = 2 * h * (v3_norm(a.v) + v3_norm(b.v)) + 2 * h * h * v3_norm(s->options.gravity);
+      if (!close_by(s, i, j, way)) continue;
       h = fmin(h, TURN / fmax(v3_norm(a.w), v3_norm(b.w)));
     }
   return h;
+}
+
+/* How much time passes while the two come together by CLOSE of their size, at the speeds of either end of the step; no
+   less than the clock can tell. */
+static double moment(const skf_swarm *s, const double *to, size_t i, size_t j) {
+  double size = INFINITY, V = 0, turn = 0;
+  for (int end = 0; end < 2; end++) {
+    const double *y = end ? to : s->y;
+    skf_attitude a = skf_mover_at(s, y, i), b = skf_mover_at(s, y, j);
+    V = fmax(V, v3_dist(a.v, b.v));
+    for (int k = 0; k < 2; k++) {
+      const skf_mover *m = body(s, k ? j : i);
+      if (m->free) size = fmin(size, m->hull->radius), turn = fmax(turn, m->hull->radius * v3_norm(k ? b.w : a.w));
+    }
+  }
+  return fmax(CLOSE * size / (V + turn), 64 * DBL_EPSILON * fabs(s->t));
+}
+
+static skf_vec3 speed(const skf_rigid_motion *m, double t, skf_vec3 x) {
+  skf_vec3 arm = v3_sub(x, skf_rigid_at(m, t).position);
+  return v3_add(v3_mad(m->velocity, t, m->acceleration), v3_cross(m->angular_velocity, arm));
+}
+
+/* Where two first meet in [0, h], but for a touch at the start that they leave: then where they come back. */
+static skf_status meet(const skf_swarm *s, const double *to, size_t i, size_t j, double h, double until, skf_meet *m) {
+  skf_rigid_motion a = motion_of(s, s->y, to, i, h), b = motion_of(s, s->y, to, j, h);
+  double way = v3_dist(a.velocity, b.velocity) * h + 0.5 * v3_dist(a.acceleration, b.acceleration) * h * h;
+  *m = (skf_meet){.meeting = SKF_MEETING_APART};
+  if (!close_by(s, i, j, way)) return SKF_OK;
+  for (double from = 0; from < until; from = fmax(2 * from, 2 * moment(s, to, i, j))) {
+    skf_status bad = skf_collide_first(body(s, i)->hull, &a, body(s, j)->hull, &b, from, until, m);
+    if (bad || m->meeting == SKF_MEETING_APART || m->t > from) return bad;
+    if (v3_dot(v3_sub(speed(&b, from, m->at), speed(&a, from, m->at)), m->normal) < 0) return SKF_OK;
+  }
+  *m = (skf_meet){.meeting = SKF_MEETING_APART};
+  return SKF_OK;
 }
 
 /* The first hit during the step from s->y to `to`; *hit->t is from its start. False when there is none. */
@@ -155,10 +194,9 @@ static skf_status look(const skf_swarm *s, const double *to, double h, skf_rigid
   *found = false;
   for (size_t i = 0; i < s->n; i++)
     for (size_t j = i + 1; j < s->n; j++) {
-      if ((!body(s, i)->free && !body(s, j)->free) || !close_by(s, s->y, i, j, h)) continue;
-      skf_rigid_motion a = motion_of(s, s->y, to, i, h), b = motion_of(s, s->y, to, j, h);
+      if (!body(s, i)->free && !body(s, j)->free) continue;
       skf_meet m;
-      skf_status bad = skf_collide_first(body(s, i)->hull, &a, body(s, j)->hull, &b, 0, *found ? hit->t : h, &m);
+      skf_status bad = meet(s, to, i, j, h, *found ? hit->t : h, &m);
       if (bad) return bad;
       if (m.meeting == SKF_MEETING_APART || (*found && m.t >= hit->t)) continue;
       *hit = (skf_rigid_hit){.t = m.t, .a = i, .b = j, .at = m.at, .normal = m.normal};
@@ -167,47 +205,32 @@ static skf_status look(const skf_swarm *s, const double *to, double h, skf_rigid
   return SKF_OK;
 }
 
-/* How much time passes while the two come together by CLOSE of their size. */
-static double moment(const skf_swarm *s, const skf_rigid_hit *hit) {
-  skf_attitude a = skf_mover_at(s, s->y, hit->a), b = skf_mover_at(s, s->y, hit->b);
-  double size = INFINITY, V = v3_dist(a.v, b.v);
-  for (int k = 0; k < 2; k++) {
-    const skf_mover *m = body(s, k ? hit->b : hit->a);
-    if (m->free) size = fmin(size, m->hull->radius), V += m->hull->radius * v3_norm(k ? b.w : a.w);
-  }
-  return CLOSE * size / V;
-}
-
 skf_status skf_swarm_run(skf_swarm *s, double t, skf_status (*told)(void *, const skf_rigid_hit *), void *user) {
   size_t n = s->n * SKF_MOVER_STATE;
   double *to = s->y + n, since = s->t;
   int hits = 0;
   double ahead = INFINITY; /* time left to a hit that is known */
   if (!isfinite(t) || t < s->t) return SKF_ERR_ARG;
+  if (t - s->t < 64 * DBL_EPSILON * fabs(t)) s->t = t; /* no step is that short */
   while (s->t < t) {
-    double h, most = longest(s, fmin(fmin(s->h, t - s->t), 2 * ahead));
-    skf_rigid_hit hit;
+    double h, tick = 64 * DBL_EPSILON * fabs(t), most = longest(s, fmin(fmin(s->h, t - s->t), fmax(2 * ahead, tick)));
+    skf_rigid_hit hit = {.t = 0};
     bool found;
     skf_status bad = skf_swarm_extrapolate(s, most, to, &h);
     if (!bad) bad = look(s, to, h, &hit, &found);
     if (bad) return bad;
-    if (found && hit.t > moment(s, &hit)) { /* up to shortly before it */
+    if (found && hit.t > moment(s, to, hit.a, hit.b)) { /* up to shortly before it */
       double next = (ahead < INFINITY ? NEARER : TOWARDS) * hit.t;
       bad = skf_swarm_extrapolate(s, next, to, &h);
       if (bad) return bad;
-      found = false, ahead = hit.t - next;
+      found = false, ahead = hit.t - h;
     } else {
       ahead = INFINITY;
     }
-    if (!found) {
-      memcpy(s->y, to, n * sizeof *to);
-      s->t = h < t - s->t ? s->t + h : t;
-      continue;
-    }
     hit.t = s->t;
-    if (!skf_swarm_strike(s, &hit)) { /* they leave each other */
+    if (!found || !skf_swarm_strike(s, &hit)) { /* nothing, or they leave each other */
       memcpy(s->y, to, n * sizeof *to);
-      s->t += h;
+      s->t = t - s->t - h > tick ? s->t + h : t;
       continue;
     }
     hits = s->t - since < MOMENT * pace(s) ? hits + 1 : 0;

@@ -179,7 +179,7 @@ typedef struct skf_approach {
   double t;
   skf_vec3 position; /* inertial */
   double level;      /* F - iso [per kernel]; 0 at a contact, positive inside */
-  double distance;   /* -level / |grad F| [L] */
+  double distance;   /* -level / |grad F| [L]; 0 inside */
 } skf_approach;
 
 /* What a flight cost and how well it kept its invariants; a drift is NAN where the world has no such invariant.

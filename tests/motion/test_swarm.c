@@ -175,6 +175,46 @@ static void a_ball_on_the_ground(void **state) {
   skf_field_free(f), skf_field_free(g);
 }
 
+/* From rest close above the ground, and far from the origin, where places are rounded by more than the gap of a hit:
+   every bounce is one. */
+static void balls_do_not_fall_through(void **state) {
+  (void)state;
+  skf_element plane = {{.shape = SKF_PLANE, .plane = {{0, 0, 0}, {0, 0, 1}}}, newton, 1}, e = point_at(0, 0, 0, newton);
+  for (int k = 0; k < 4; k++) {
+    skf_field *f, *g;
+    double x = k % 2 ? 1e5 : 0, high = k < 2 ? 2 : 1e-4, T = sqrt(2 * high);
+    skf_rigid_body ball = body_of(&e, 1, 2, 1, &f), ground = {.iso = -TAU, .density = 1, .start = {.q = {1, 0, 0, 0}}};
+    ground.field = g = field_of(&plane, 1);
+    ball.start.position = v3(x, 0, 1.5 + high);
+    skf_swarm *s =
+        swarm_of((skf_rigid_body[]){ground, ball}, 2, (skf_rigid_options){.gravity = {0, 0, -1}, .restitution = 1});
+    hits log = {.e = 1};
+    assert_int_equal(skf_swarm_run(s, 10 * T, note, &log), SKF_OK);
+    assert_int_equal(log.n, 5);
+    check_close(log.last.t, 9 * T, 1e-4);
+    check_close(log.last.closing, T, 1e-4);
+    skf_swarm_free(s);
+    skf_field_free(f), skf_field_free(g);
+  }
+}
+
+/* Two that overlap and part do not hide what the others do. */
+static void pairs_do_not_hide_pairs(void **state) {
+  (void)state;
+  skf_element e = point_at(0, 0, 0, newton);
+  skf_field *f;
+  skf_rigid_body ball = body_of(&e, 1, 1, 1, &f), b[4] = {ball, ball, ball, ball};
+  b[0].start.velocity.x = -1e-3, b[1].start.velocity.x = 1e-3, b[1].start.position.x = 1.9;
+  b[2].start.position.y = 100, b[3].start.position.y = 102.5, b[2].start.velocity.y = 1, b[3].start.velocity.y = -1;
+  skf_swarm *s = swarm_of(b, 4, (skf_rigid_options){.restitution = 1});
+  hits log = {.e = 1};
+  assert_int_equal(skf_swarm_run(s, 10, note, &log), SKF_OK);
+  assert_int_equal(log.n, 1);
+  check_close(log.last.t, 0.25, 1e-7);
+  skf_swarm_free(s);
+  skf_field_free(f);
+}
+
 static void refusals(void **state) {
   (void)state;
   skf_element e = point_at(0, 0, 0, newton);
@@ -191,8 +231,10 @@ static void refusals(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(free_rotation),      cmocka_unit_test(mutual_gravity),       cmocka_unit_test(spheres_collide),
-      cmocka_unit_test(odd_bodies_collide), cmocka_unit_test(a_ball_on_the_ground), cmocka_unit_test(refusals),
+      cmocka_unit_test(free_rotation),           cmocka_unit_test(mutual_gravity),
+      cmocka_unit_test(spheres_collide),         cmocka_unit_test(odd_bodies_collide),
+      cmocka_unit_test(a_ball_on_the_ground),    cmocka_unit_test(balls_do_not_fall_through),
+      cmocka_unit_test(pairs_do_not_hide_pairs), cmocka_unit_test(refusals),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
