@@ -83,7 +83,7 @@ static int write_picture(render_job *j) {
 static int work(render_job *j) {
   int status = parse(j);
   if (!status) status = cli_scene(cli_operand(j->c, 0), &j->scene);
-  if (!status && j->scene->animated_until > 0 && j->time != 0) {
+  if (!status && j->scene->animated_until > -INFINITY && j->time != 0) {
     skf_scene_free(j->scene), j->scene = NULL;
     status = cli_scene_at(cli_operand(j->c, 0), j->time, &j->scene);
   }

@@ -50,7 +50,7 @@ static int find_end(render_job *j) {
 /* The scene as it is at the job's time; only what has changed is made anew. */
 static int advance(render_job *j, bool own_camera) {
   int status = CLI_DONE;
-  if (j->scene->animated_until > 0) {
+  if (j->scene->animated_until > -INFINITY) {
     float *rgb = j->rgb, *depth = j->depth;
     j->rgb = j->depth = NULL; /* they stay */
     render_release(j);
@@ -115,7 +115,7 @@ int render_film(render_job *j) {
     status = cli_fail(CLI_BAD, "--fps %s: expected a number from 0.1 to 1000", cli_value(j->c, "fps"));
   if (!status) status = find_end(j);
   if (status) return status;
-  if (!j->video) return frames(j, NULL) ? CLI_FAILED : j->cut ? CLI_FAILED : CLI_DONE;
+  if (!j->video) return (status = frames(j, NULL)) ? status : j->cut ? CLI_FAILED : CLI_DONE;
   if ((status = cli_out_open(&o, cli_value(j->c, "output")))) return status;
   status = avi_open(&film, o.file, j->what.width, j->what.height, fps);
   if (!status) status = frames(j, &film);

@@ -28,6 +28,7 @@ typedef struct render_job {
   skf_offsets **offsets;   /* of each body, and of its skeleton behind them */
   skf_offset **items;      /* what they are made of */
   unsigned char **look_of; /* of those items */
+  skf_element **kept;      /* the elements that they are around */
   skf_look **looks;        /* of bodies that are seen through, or skeletons */
   size_t body_count;
   float *rgb, *depth;

@@ -50,7 +50,8 @@ static int add_offsets(render_job *j, size_t k, const skf_body *b, double radius
   double *own = malloc((b->element_count + 1) * sizeof *own);
   j->items[k] = calloc(b->element_count + 1, sizeof **j->items);
   j->look_of[k] = calloc(b->element_count + 1, 1);
-  if (!own || !j->items[k] || !j->look_of[k]) return free(own), cli_fail(CLI_FAILED, "out of memory");
+  j->kept[k] = calloc(b->element_count + 1, sizeof **j->kept);
+  if (!own || !j->items[k] || !j->look_of[k] || !j->kept[k]) return free(own), cli_fail(CLI_FAILED, "out of memory");
   radii(b, own);
   for (size_t i = 0; i < b->element_count; i++) {
     const skf_primitive *p = &b->elements[i].primitive;
@@ -58,6 +59,7 @@ static int add_offsets(render_job *j, size_t k, const skf_body *b, double radius
     if (p->shape != SKF_SOLID && !(r > 0)) continue;
     if (radius == 0 && !(b->elements[i].strength > 0)) continue; /* it carves */
     j->look_of[k][n] = radius > 0 ? 0 : b->look_of[i];
+    j->kept[k][n] = b->elements[i];
     j->items[k][n++] = (skf_offset){*p, r};
   }
   free(own);
@@ -97,7 +99,7 @@ static int add_body(render_job *j, size_t i) {
   turn_body(j, b, out);
   if (j->mode != RENDER_OFFSET) return CLI_DONE;
   int status = add_offsets(j, i, b, 0);
-  out->offsets = j->offsets[i], out->look_of = j->look_of[i], out->elements = NULL;
+  out->offsets = j->offsets[i], out->look_of = j->look_of[i], out->elements = j->kept[i];
   return status;
 }
 
@@ -130,11 +132,11 @@ void render_spin(render_job *j) {
 int render_bodies(render_job *j) {
   const skf_scene *s = j->scene;
   size_t n = s->body_count;
-  if (s->light_count > 8) return cli_fail(CLI_BAD, "the scene has %zu lights, expected at most 8", s->light_count);
   j->tracers = calloc(n + 1, sizeof *j->tracers), j->bodies = calloc(2 * n + 1, sizeof *j->bodies);
   j->offsets = calloc(2 * n + 1, sizeof *j->offsets), j->items = calloc(2 * n + 1, sizeof *j->items);
   j->looks = calloc(n + 1, sizeof *j->looks), j->look_of = calloc(2 * n + 1, sizeof *j->look_of);
-  if (!j->tracers || !j->bodies || !j->offsets || !j->items || !j->looks || !j->look_of)
+  j->kept = calloc(2 * n + 1, sizeof *j->kept);
+  if (!j->tracers || !j->bodies || !j->offsets || !j->items || !j->looks || !j->look_of || !j->kept)
     return cli_fail(CLI_FAILED, "out of memory");
   int status = CLI_DONE;
   for (size_t i = 0; i < n && !status; i++) status = add_body(j, i);
@@ -156,11 +158,13 @@ void render_release(render_job *j) {
   for (size_t i = 0; j->tracers && i < n; i++) skf_tracer_free(j->tracers[i]);
   for (size_t i = 0; j->look_of && i < 2 * n; i++)
     skf_offsets_free(j->offsets[i]), free(j->items[i]), free(j->look_of[i]);
+  for (size_t i = 0; j->kept && i < 2 * n; i++) free(j->kept[i]);
   for (size_t i = 0; j->looks && i < n; i++) free(j->looks[i]);
   for (size_t i = 0; j->scene && i < j->scene->image_count; i++) free(j->scene->images[i]->pixels.rgb);
-  free(j->tracers), free(j->bodies), free(j->offsets), free(j->items), free(j->looks), free(j->look_of);
+  free(j->tracers), free(j->bodies), free(j->offsets), free(j->items), free(j->looks), free(j->look_of), free(j->kept);
   free(j->rgb), free(j->depth);
-  j->tracers = NULL, j->bodies = NULL, j->offsets = NULL, j->items = NULL, j->looks = NULL, j->look_of = NULL;
+  j->tracers = NULL, j->bodies = NULL, j->offsets = NULL, j->items = NULL, j->looks = NULL, j->look_of = NULL,
+  j->kept = NULL;
   j->rgb = j->depth = NULL;
 }
 

@@ -146,15 +146,28 @@ static void descend(const skf_offsets *o, search *s) {
   for (size_t i = o->n - o->endless; i < o->n; i++) try_hull(s, o->hulls + i);
 }
 
+static bool holds(skf_box b, skf_vec3 p) {
+  return p.x >= b.lo.x && p.y >= b.lo.y && p.z >= b.lo.z && p.x <= b.hi.x && p.y <= b.hi.y && p.z <= b.hi.z;
+}
+
+static bool deep_in(const skf_hull *h, skf_vec3 p) {
+  return skf_primitive_distance(&h->primitive, p) < h->radius * (1 - 1e-8);
+}
+
 /* Whether a place lies within the union, not on its surface. */
 static bool within(const skf_offsets *o, skf_vec3 p) {
-  for (size_t i = 0; i < o->n; i++) {
-    const skf_hull *h = o->hulls + i;
-    skf_box b = h->box;
-    bool out = p.x < b.lo.x || p.y < b.lo.y || p.z < b.lo.z || p.x > b.hi.x || p.y > b.hi.y || p.z > b.hi.z;
-    if (h->primitive.shape != SKF_PLANE && out) continue;
-    if (skf_primitive_distance(&h->primitive, p) < h->radius * (1 - 1e-8)) return true;
+  size_t stack[DEEP];
+  int depth = 0;
+  if (o->node_count) stack[depth++] = 0;
+  while (depth) {
+    const node *at = o->nodes + stack[--depth];
+    if (!holds(at->box, p)) continue;
+    for (size_t i = 0; i < at->count; i++)
+      if (deep_in(o->hulls + at->first + i, p)) return true;
+    if (!at->count) stack[depth++] = (size_t)(at - o->nodes) + 1, stack[depth++] = at->first;
   }
+  for (size_t i = o->n - o->endless; i < o->n; i++)
+    if (deep_in(o->hulls + i, p)) return true;
   return false;
 }
 
@@ -167,12 +180,11 @@ bool skf_offsets_first(const skf_offsets *o, const skf_ray *ray, skf_hit *hit, s
     descend(o, &s);
     if (!s.found) return false;
     skf_vec3 at = v3_mad(s.o, s.t, d);
-    bool entering = v3_dot(s.normal, d) < 0;
-    if (entering || !within(o, at)) {
-      *hit = (skf_hit){s.t, at, s.normal, entering};
+    if (!within(o, at)) {
+      *hit = (skf_hit){s.t, at, s.normal, v3_dot(s.normal, d) < 0};
       if (item) *item = s.item;
       return true;
     }
-    s.from = s.t; /* it leaves one hull inside of another */
+    s.from = s.t; /* it enters or leaves one hull inside of another */
   }
 }

@@ -181,6 +181,11 @@ static void shade_row(render *r, int y) {
   }
 }
 
+/* What a stop left unpainted, which is NAN. */
+static void fill_row(render *r, int y) {
+  if (isnan(r->rgb[3 * (size_t)y * r->s->width])) shade_row(r, y);
+}
+
 /* Samples lie on a lattice of rank one, which has one of them in each row and column of a finer grid. */
 static void refine_row(render *r, int y) {
   int w = r->s->width, n = r->s->samples;
@@ -276,6 +281,7 @@ static void all_passes(render *r) {
   bool draft = r->s->quality == SKF_RENDER_DRAFT, many = scattered(r);
   for (size_t k = 0; k < n; k++) r->sights[k] = (skf_sight){.body = SKF_NOTHING, .t = INFINITY, .time = 0.5};
   for (size_t k = 0; k < n * r->stride; k++) r->raw[k] = 1;
+  for (size_t k = 0; k < 3 * n; k++) r->rgb[k] = NAN;
   pass(r, sight_row, many ? 0.02 : draft ? 0.6 : 0.3);
   if (!draft && !many) pass(r, light_row, 0.4);
   bool stopped = r->stop;
@@ -284,8 +290,9 @@ static void all_passes(render *r) {
   if (!draft && !many) pass(r, smooth_row, 0), pass(r, smooth_again_row, 0);
   if (stopped || many) r->stage.bounces = 0; /* many: it is painted over */
   pass(r, shade_row, r->stage.bounces ? 0.1 : 0);
+  if (r->stop) stopped = true, r->stop = false, r->stage.bounces = 0, pass(r, fill_row, 0);
   r->stage.bounces = bounces;
-  r->stop = r->stop || stopped;
+  r->stop = stopped;
   if (r->stop || r->s->samples < 2) return;
   if (many) {
     pass(r, scatter_row, 0.98);

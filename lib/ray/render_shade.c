@@ -61,7 +61,7 @@ static void add_gloss(const skf_look *look, skf_vec3 n, skf_vec3 to_light, skf_v
   skf_vec3 h = v3_unit(v3_add(to_light, to_eye));
   double nl = v3_dot(n, to_light), ne = fmax(v3_dot(n, to_eye), 1e-4), nh = v3_dot(n, h),
          eh = fmax(v3_dot(to_eye, h), 0);
-  double d = nh * nh * (a2 - 1) + 1, f = 1 - eh, f5 = f * f * f * f * f;
+  double d = nh * nh * a2 + (1 - nh * nh), f = 1 - eh, f5 = f * f * f * f * f;
   double smith = nl * sqrt(ne * ne * (1 - a2) + a2) + ne * sqrt(nl * nl * (1 - a2) + a2);
   for (int k = 0; k < 3; k++) {
     if (!(look->specular[k] > 0)) continue;

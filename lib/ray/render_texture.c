@@ -94,6 +94,7 @@ static double share(const skf_texture *t, skf_vec3 p) {
 
 /* Between the four nearest pixels; the picture repeats. */
 static void pixel(const skf_image *image, double u, double v, double rgb[3]) {
+  if (!isfinite(u) || !isfinite(v)) u = v = 0; /* divided by a tiny size */
   double x = (u - floor(u)) * image->width - 0.5, y = (1 - (v - floor(v))) * image->height - 0.5;
   double fx = x - floor(x), fy = y - floor(y);
   for (int k = 0; k < 3; k++) rgb[k] = 0;

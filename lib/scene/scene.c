@@ -163,6 +163,7 @@ skf_status skf_scene_parse_with(const char *text, size_t length, const char *fol
       .G = 6.67430e-11, /* CODATA 2018 [m^3 kg^-1 s^-2] */
       .simulation = {.tolerance = 1e-12, .contact = SKF_CONTACT_STOP, .restitution = 1},
       .camera = {.up = {0, 0, 1}, .fov = 40 * (SKF_PI / 180)},
+      .animated_until = -INFINITY,
   };
   skf_status s = skf_yaml_read(text, length, &r.yaml, error);
   if (!s) s = read_scene(&r);

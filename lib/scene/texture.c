@@ -2,6 +2,7 @@
 /* Textures of materials. */
 #include "scene/style.h"
 #include "core/alloc.h"
+#include "core/vec3.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -95,6 +96,14 @@ static skf_status read_texture(skf_reader *r, const skf_node *map, skf_texture *
   const skf_texture_info *info = skf_texture_get(d.texture.type = (skf_texture_type)d.type);
   bool image = d.texture.type == SKF_TEXTURE_IMAGE;
   if (given >> COLORS & 1 && (info->relief || image)) return misplaced(r, map, COLORS, "one that has two colors");
+  bool waves = d.type == SKF_TEXTURE_MARBLE || d.type == SKF_TEXTURE_WOOD;
+  if (given >> AXIS & 1 && !waves) return misplaced(r, map, AXIS, "marble or wood");
+  if (given >> TURBULENCE & 1 && !waves && d.type != SKF_TEXTURE_ONION)
+    return misplaced(r, map, TURBULENCE, "marble, wood or onion");
+  if (given >> AT & 1 && image) return misplaced(r, map, AT, "one that is not an image");
+  if (!(v3_norm(v3_unit(d.texture.axis)) > 0))
+    return skf_error_set(r->error, SKF_ERR_DEGENERATE, skf_map_line(r, map, "axis"),
+                         "axis is the zero vector, expected a direction");
   if (given >> HEIGHT & 1 && !info->relief) return misplaced(r, map, HEIGHT, "ripples or bumps");
   if (given >> FILE_NAME & 1 && !image) return misplaced(r, map, FILE_NAME, "image");
   if (image && !d.file)

@@ -60,6 +60,9 @@ static skf_status check_height(skf_reader *r, const skf_node *map, const sight *
   if (c->projection && !height)
     return skf_error_set(r->error, SKF_ERR_PARSE, skf_map_line(r, map, "projection"),
                          "missing 'height' in camera, expected it with projection: orthographic");
+  if (c->projection && given >> FOV & 1)
+    return skf_error_set(r->error, SKF_ERR_PARSE, skf_map_line(r, map, "fov"),
+                         "fov in camera, expected it with projection: perspective alone");
   if (!c->projection && height)
     return skf_error_set(r->error, SKF_ERR_PARSE, skf_map_line(r, map, "height"),
                          "height in camera, expected it with projection: orthographic alone");
@@ -157,6 +160,10 @@ skf_status skf_read_lights(skf_reader *r, const skf_node *list, void *into) {
   skf_scene *scene = into;
   skf_status s = skf_expect(r, list, SKF_NODE_LIST, "lights", "a list of lights");
   if (s) return s;
+  enum { MOST = 8 }; /* that skf_render takes */
+  if (list->count > MOST)
+    return skf_error_set(r->error, SKF_ERR_RANGE, list->line, "lights has %d entries, expected at most %d", list->count,
+                         MOST);
   scene->lights = skf_alloc((size_t)list->count, sizeof *scene->lights);
   if (!scene->lights) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
   for (const skf_node *n = skf_node_first(&r->yaml, list); n && !s; n = skf_node_next(&r->yaml, n))

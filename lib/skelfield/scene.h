@@ -101,7 +101,7 @@ typedef struct skf_scene {
   skf_fog fog;
   size_t image_count;
   skf_scene_image **images;
-  double animated_until; /* the last time of the keys of `animate`, at least 0 */
+  double animated_until; /* time of the last key of `animate` [T]; -INFINITY: nothing is animated */
 } skf_scene;
 
 /* What a scene may borrow of libraries that this one does not know. */
