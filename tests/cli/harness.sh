@@ -86,11 +86,11 @@ expect_close() {
 
 # The last run was refused as bad input: status 2, one line on stderr that matches, nothing written.
 expect_refused() { # name, regular expression
-  refused() {
+  is_refused() {
     [ "$ran_status" -eq 2 ] && [ "$(wc -l <"$kept/err")" -eq 1 ] &&
       grep -qE -e "^skelfield: $1" "$kept/err" && nothing_written
   }
-  expect "$1 is refused" refused "$2"
+  expect "$1 is refused" is_refused "$2"
 }
 
 # refuse NAME FILE LINE REGEX: the scene on stdin, saved as FILE, is refused at that line with that message.
