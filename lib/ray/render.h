@@ -116,8 +116,8 @@ double skf_noise(skf_vec3 p, skf_vec3 *g);
 void skf_texture_color(const skf_texture *t, skf_vec3 p, const double uv[2], double rgb[3]);
 /* Gradient of the relief's height [1]. */
 skf_vec3 skf_texture_relief(const skf_texture *t, skf_vec3 p);
-/* Places of a primitive's surface by its own coordinates, both in [0, 1]: around a point or an axis, along it; in a
-   triangle along two edges; in a plane by length. */
+/* Places of a primitive's surface by its own coordinates: around a point or an axis, along it; in a triangle along two
+   edges, all in [0, 1]; in a plane along two directions of its own [L], of any sign. */
 void skf_primitive_uv(const skf_primitive *p, skf_vec3 x, double uv[2]);
 
 #endif

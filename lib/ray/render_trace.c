@@ -191,6 +191,13 @@ static void light_bounced(const skf_stage *g, const skf_sight *at, const skf_bea
   skf_light_at(g, at, beam, one ? 1 : fine ? 16 : strong ? 4 : 2, one ? 1 : fine ? 8 : strong ? 3 : 1, false, lit);
 }
 
+static void fog(const skf_stage *g, double t, double rgb[3]) {
+  const skf_fog *f = &g->s->fog;
+  if (!(f->distance > 0)) return;
+  double left = exp(-t / f->distance);
+  for (int k = 0; k < 3; k++) rgb[k] = f->color[k] + left * (rgb[k] - f->color[k]);
+}
+
 /* Adds what comes from another direction, times a share. */
 static void follow(const skf_stage *g, const skf_beam *beam, const skf_sight *at, skf_vec3 direction, bool mirror,
                    const double share[3], double rgb[3]) {
@@ -202,6 +209,7 @@ static void follow(const skf_stage *g, const skf_beam *beam, const skf_sight *at
   if (!(next.weight > 1.0 / 512)) return; /* less than a step of the picture */
   if (next.depth > g->bounces) {
     background(g, &next, light);
+    fog(g, INFINITY, light);
   } else {
     skf_sight there = skf_look_along(g, &next, NULL);
     float lit[SKF_LIT];
@@ -220,20 +228,17 @@ static void beyond(const skf_stage *g, const skf_beam *beam, const skf_sight *at
     mirror[k] = (at->inside ? 0 : look->reflection[k]) + look->transparency[k] * fresnel;
     through[k] = look->transparency[k] * (1 - fresnel);
   }
-  if (mirror[0] + mirror[1] + mirror[2] > 0)
-    follow(g, beam, at, v3_unit(v3_mad(beam->direction, 2 * cosine, normal)), true, mirror, rgb);
+  if (mirror[0] + mirror[1] + mirror[2] > 0) {
+    skf_vec3 d = v3_mad(beam->direction, 2 * cosine, normal);
+    if (!(v3_dot(d, at->normal) > 0)) /* a relief would send it into the surface */
+      d = v3_mad(beam->direction, -2 * v3_dot(beam->direction, at->normal), at->normal);
+    follow(g, beam, at, v3_unit(d), true, mirror, rgb);
+  }
   if (through[0] + through[1] + through[2] > 0) {
     skf_vec3 d = beam->direction;
     if (look->ior != 1) d = v3_unit(v3_mad(v3_scale(n, d), n * cosine - bent, normal));
     follow(g, beam, at, d, false, through, rgb);
   }
-}
-
-static void fog(const skf_stage *g, double t, double rgb[3]) {
-  const skf_fog *f = &g->s->fog;
-  if (!(f->distance > 0)) return;
-  double left = exp(-t / f->distance);
-  for (int k = 0; k < 3; k++) rgb[k] = f->color[k] + left * (rgb[k] - f->color[k]);
 }
 
 void skf_radiance(const skf_stage *g, const skf_beam *beam, const skf_sight *at, const float *lit, double rgb[3]) {

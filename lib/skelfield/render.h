@@ -24,8 +24,8 @@ typedef struct skf_light {
   bool directional;
   skf_vec3 at;     /* position, or direction towards the light */
   double color[3]; /* linear RGB times intensity: what a white matt surface sends back that faces the light */
-  double radius;   /* of a ball [L]; of a directional light half the angle that it spans [rad], where 0 stands for 2
-                      degrees and what is negative for none */
+  double radius;   /* of a ball [L]; of a directional light half the angle that it spans [rad], at most 1.5, where 0
+                      stands for 2 degrees and what is negative for none */
   skf_vec3 u, v;   /* edges of a parallelogram around `at` instead of the ball [L]; zeros: none */
 } skf_light;
 

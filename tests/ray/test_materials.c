@@ -138,15 +138,15 @@ static void mirror(void **state) {
   const skf_light dark = {.directional = true, .at = {0, 0, 1}};
   skf_render_scene s = straight(bodies, 2, &dark);
   assert_int_equal(skf_render(&s, rgb, NULL, silent), SKF_OK);
-  int red = 0;
+  int red = 0, most = 0, least = 0; /* what may be red, and what must */
   for (int x = 12; x < 48; x++) {
     double px = place(x), py = -sqrt(1 - px * px), dx = -2 * py * px, dy = 1 - 2 * py * py; /* d - 2 (d n) n */
     double cx = -6 - px, cy = -py, along = cx * dx + cy * dy, miss2 = cx * cx + cy * cy - along * along;
     bool hit = along > 0 && miss2 < 1, is_red = pixel(rgb, x, H / 2)[1] < 0.01 && pixel(rgb, x, H / 2)[0] > 0.01;
     if (fabs(miss2 - 1) > 0.05) assert_true(hit == is_red);
-    red += is_red;
+    red += is_red, most += along > 0 && miss2<1.05, least += along> 0 && miss2 < 0.95;
   }
-  assert_true(red >= 1);
+  assert_true(least >= 1 && red >= least && red <= most);
   drop(a), drop(b);
 }
 
@@ -277,11 +277,61 @@ static void fog_swallows(void **state) {
   drop(b);
 }
 
+/* Rays that end after so many bounces see the background through all of the fog, as others do. */
+static void fog_behind_bounces(void **state) {
+  (void)state;
+  static float rgb[W * H * 3];
+  ball b = make(v3(0, 0, 0), 1), a = make(v3(-3, 0, 0), 1);
+  skf_look look = skf_look_default();
+  memset(look.specular, 0, sizeof look.specular);
+  look.ambient = look.diffuse = 0;
+  for (int c = 0; c < 3; c++) look.reflection[c] = 0.9;
+  const skf_render_body bodies[2] = {{.tracer = b.tracer, .looks = &look, .look_count = 1},
+                                     {.tracer = a.tracer, .looks = &look, .look_count = 1}};
+  const skf_light dark = {.directional = true, .at = {0, 0, 1}};
+  skf_render_scene s = straight(bodies, 2, &dark);
+  for (int c = 0; c < 3; c++) s.background[0][c] = s.background[1][c] = 1;
+  s.bounces = 1;
+  assert_int_equal(skf_render(&s, rgb, NULL, silent), SKF_OK);
+  assert_true(pixel(rgb, W / 2, H / 2)[0] > 0.8);
+  s.fog = (skf_fog){1e9, {0, 0, 0}};
+  assert_int_equal(skf_render(&s, rgb, NULL, silent), SKF_OK);
+  for (int i = 0; i < W * H * 3; i++) assert_true(fabsf(rgb[i]) < 1e-6f);
+  drop(a), drop(b);
+}
+
+/* However steep a relief is, a convex mirror shows what is around it, not its inside. */
+static void relief_on_a_mirror(void **state) {
+  (void)state;
+  static float rgb[W * H * 3];
+  ball b = make(v3(0, 0, 0), 1);
+  skf_look look = skf_look_default();
+  memset(look.specular, 0, sizeof look.specular);
+  look.ambient = look.diffuse = 0, look.texture_count = 1;
+  look.textures[0] = (skf_texture){.type = SKF_TEXTURE_BUMPS, .size = 0.1, .height = 3};
+  for (int c = 0; c < 3; c++) look.reflection[c] = 1;
+  skf_render_body body = {.tracer = b.tracer, .looks = &look, .look_count = 1};
+  const skf_light dark = {.directional = true, .at = {0, 0, 1}};
+  skf_render_scene s = straight(&body, 1, &dark);
+  for (int c = 0; c < 3; c++) s.background[0][c] = s.background[1][c] = 1;
+  assert_int_equal(skf_render(&s, rgb, NULL, silent), SKF_OK);
+  for (int i = 0; i < W * H * 3; i++) check_close(rgb[i], 1, 1e-6);
+  drop(b);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(lambert),         cmocka_unit_test(fresnel),      cmocka_unit_test(glass),
-      cmocka_unit_test(mirror),          cmocka_unit_test(shares),       cmocka_unit_test(textures),
-      cmocka_unit_test(noise_is_smooth), cmocka_unit_test(images_by_uv), cmocka_unit_test(fog_swallows),
+      cmocka_unit_test(lambert),
+      cmocka_unit_test(fresnel),
+      cmocka_unit_test(glass),
+      cmocka_unit_test(mirror),
+      cmocka_unit_test(shares),
+      cmocka_unit_test(textures),
+      cmocka_unit_test(noise_is_smooth),
+      cmocka_unit_test(images_by_uv),
+      cmocka_unit_test(fog_swallows),
+      cmocka_unit_test(fog_behind_bounces),
+      cmocka_unit_test(relief_on_a_mirror),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

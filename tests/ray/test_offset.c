@@ -123,6 +123,34 @@ static void capsule_in_numbers(void **state) {
   }
 }
 
+/* Two balls that overlap: a ray from within the union, in one ball or in both, meets its outside alone. */
+static void union_from_within(void **state) {
+  (void)state;
+  const skf_offset items[] = {{{.shape = SKF_POINT, .point = {{0, 0, 0}}}, 1},
+                              {{.shape = SKF_POINT, .point = {{1.5, 0, 0}}}, 1}};
+  skf_offsets *o;
+  assert_int_equal(skf_offsets_new(items, 2, &o), SKF_OK);
+  for (double x = -0.9; x < 2.45; x += 0.1)
+    for (int side = -1; side <= 1; side += 2) { /* back and forth along a line: the union is met twice */
+      skf_hit hit;
+      size_t item;
+      assert_true(skf_offsets_first(o, &(skf_ray){{x, 0, 0}, {side, 0, 0}, 0, INFINITY}, &hit, &item));
+      check_close(hit.t, side < 0 ? x + 1 : 2.5 - x, 1e-13);
+      assert_true(!hit.entering && item == (side > 0) && hit.normal.x * side > 0.999);
+      assert_false(skf_offsets_first(o, &(skf_ray){hit.at, {side, 0, 0}, 0, INFINITY}, &hit, NULL));
+    }
+  skf_hit hit;
+  const double want[] = {4, 7.5};
+  double from = 0;
+  for (int k = 0; k < 2; k++, from = hit.t) {
+    assert_true(skf_offsets_first(o, &(skf_ray){{-5, 0, 0}, {1, 0, 0}, from, INFINITY}, &hit, NULL));
+    check_close(hit.t, want[k], 1e-14);
+    assert_true(hit.entering == !k);
+  }
+  assert_false(skf_offsets_first(o, &(skf_ray){{-5, 0, 0}, {1, 0, 0}, from, INFINITY}, &hit, NULL));
+  skf_offsets_free(o);
+}
+
 /* Four along a line through a ring, in the places that a circle's radii tell. */
 static void ring_in_numbers(void **state) {
   (void)state;
@@ -188,8 +216,9 @@ static void refused(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(each_kind),       cmocka_unit_test(unions),   cmocka_unit_test(capsule_in_numbers),
-      cmocka_unit_test(ring_in_numbers), cmocka_unit_test(quartics), cmocka_unit_test(refused),
+      cmocka_unit_test(each_kind),         cmocka_unit_test(unions),   cmocka_unit_test(capsule_in_numbers),
+      cmocka_unit_test(ring_in_numbers),   cmocka_unit_test(quartics), cmocka_unit_test(refused),
+      cmocka_unit_test(union_from_within),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
