@@ -14,7 +14,10 @@ typedef struct track {
 
 static skf_status keep_path(skf_reader *r, const skf_node *node, void *into) {
   ((track *)into)->path = node;
-  return skf_expect(r, node, SKF_NODE_SCALAR, "path", "the names that lead to a number, like bodies.star.iso");
+  static const char form[] = "the names that lead to a number, like bodies.star.iso";
+  skf_status s = skf_expect(r, node, SKF_NODE_SCALAR, "path", form);
+  if (s || *skf_node_text(&r->yaml, node)) return s;
+  return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "path is '', expected %s", form);
 }
 
 static skf_status keep_keys(skf_reader *r, const skf_node *list, void *into) {
@@ -34,7 +37,8 @@ static const skf_key animate_keys[] = {
 const skf_section skf_section_animate = {
     "animate",
     "a number of the scene that changes with time. The path has keys of mappings, and of lists\n"
-    "places from 0 or the names of what is in them; without --time the time is 0",
+    "places from 0 or the names of what is in them (what has a dot in its name, by its place alone);\n"
+    "without --time the time is 0",
     animate_keys, 2};
 
 static bool is_called(const skf_reader *r, const skf_node *node, const char *name, size_t n) {
@@ -94,6 +98,12 @@ static skf_status read_pair(skf_reader *r, const skf_node *pair, double x[2]) {
   return s ? s : skf_read_number(r, skf_node_next(&r->yaml, n), &one, x + 1);
 }
 
+/* On the straight line from a to b; no difference of finite numbers overflows. */
+static double between(const double a[2], const double b[2], double t) {
+  double half = isinf(b[0] - a[0]) ? 0.5 : 1, s = (half * t - half * a[0]) / (half * b[0] - half * a[0]);
+  return isinf(b[1] - a[1]) ? (1 - s) * a[1] + s * b[1] : a[1] + (b[1] - a[1]) * s;
+}
+
 /* The value at the scene's time. */
 static skf_status value_at(skf_reader *r, const skf_node *keys, double *out) {
   double before[2] = {-INFINITY, 0}, key[2], t = r->hooks->time;
@@ -104,7 +114,7 @@ static skf_status value_at(skf_reader *r, const skf_node *keys, double *out) {
     if (!(key[0] > before[0]))
       return skf_error_set(r->error, SKF_ERR_RANGE, n->line, "the times of keys do not rise, expected later ones");
     if (!known && t <= key[0]) {
-      *out = isinf(before[0]) ? key[1] : before[1] + (key[1] - before[1]) * ((t - before[0]) / (key[0] - before[0]));
+      *out = isinf(before[0]) ? key[1] : between(before, key, t);
       known = true;
     }
     before[0] = key[0], before[1] = key[1];
@@ -128,7 +138,9 @@ static skf_status put_number(skf_reader *r, const skf_node *node, double value) 
 }
 
 skf_status skf_animate(skf_reader *r, const skf_node *list) {
-  skf_status s = skf_expect(r, list, SKF_NODE_LIST, "animate", "a list of {path, keys}");
+  static const char form[] = "a list of {path, keys}";
+  skf_status s = skf_expect(r, list, SKF_NODE_LIST, "animate", form);
+  if (!s && !list->count) s = skf_error_set(r->error, SKF_ERR_PARSE, list->line, "animate is empty, expected %s", form);
   for (const skf_node *n = s ? NULL : skf_node_first(&r->yaml, list); n && !s; n = skf_node_next(&r->yaml, n)) {
     track t = {NULL, NULL};
     const skf_node *number = NULL;

@@ -57,7 +57,10 @@ typedef struct entry {
 static skf_status read_file(skf_reader *r, const skf_node *node, void *into) {
   skf_source *source = &((entry *)into)->source;
   source->kind = SKF_SOURCE_FILE, source->node = node;
-  return skf_expect(r, node, SKF_NODE_SCALAR, "file", "the name of a CSV file");
+  static const char form[] = "the name of a CSV file";
+  skf_status s = skf_expect(r, node, SKF_NODE_SCALAR, "file", form);
+  if (s || *skf_node_text(&r->yaml, node)) return s;
+  return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "file is empty, expected %s", form);
 }
 static skf_status read_grid(skf_reader *r, const skf_node *map, void *into) {
   return skf_read_source(r, map, SKF_SOURCE_GRID, &((entry *)into)->source);

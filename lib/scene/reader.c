@@ -69,8 +69,8 @@ static bool in_range(const skf_range *a, double x) {
 }
 
 skf_status skf_read_number(skf_reader *r, const skf_node *node, const skf_key *key, double *out) {
-  char form[64];
-  number_form(key->range, form, sizeof form);
+  char text_of_form[64];
+  const char *form = key->form ? key->form : number_form(key->range, text_of_form, sizeof text_of_form);
   skf_status s = skf_expect(r, node, SKF_NODE_SCALAR, key->name, form);
   if (s) return s;
   const char *text = skf_node_text(&r->yaml, node);

@@ -45,7 +45,8 @@ typedef struct skf_key {
   size_t offset; /* of the value in the struct that the mapping describes */
   const skf_range *range;
   int count;
-  /* SKF_KEY_OTHER: reads the value into the struct; `form` is what the help and the messages expect */
+  /* SKF_KEY_OTHER: reads the value into the struct; `form` is what the help and the messages expect, of a number
+     instead of its range */
   skf_status (*read)(skf_reader *r, const skf_node *value, void *into);
   const char *form;
 } skf_key;

@@ -9,12 +9,14 @@
 
 static skf_status read_whole(skf_reader *r, const skf_node *node, const char *name, double least, double most,
                              double *out) {
+  char form[64];
+  snprintf(form, sizeof form, "a whole number from %.0f to %.0f", least, most);
   const skf_range range = {least, most, false};
-  const skf_key key = {.name = name, .type = SKF_KEY_NUMBER, .range = &range};
+  const skf_key key = {.name = name, .type = SKF_KEY_NUMBER, .range = &range, .form = form};
   skf_status s = skf_read_number(r, node, &key, out);
   if (s || *out == floor(*out)) return s;
-  return skf_error_set(r->error, SKF_ERR_RANGE, node->line, "%s is %s, expected a whole number from %.0f to %.0f", name,
-                       skf_show(skf_node_text(&r->yaml, node)).text, least, most);
+  return skf_error_set(r->error, SKF_ERR_RANGE, node->line, "%s is %s, expected %s", name,
+                       skf_show(skf_node_text(&r->yaml, node)).text, form);
 }
 
 static skf_status read_count(skf_reader *r, const skf_node *node, void *into) {
@@ -214,6 +216,18 @@ static skf_status circulate(skf_reader *r, const skf_source *c, skf_particle *p,
   return SKF_OK;
 }
 
+/* What is given as finite may overflow where it adds up. */
+static skf_status check_finite(skf_reader *r, const skf_particle *p, size_t n, long line) {
+  for (size_t i = 0; i < n; i++) {
+    bool x = v3_finite(p[i].position);
+    if (x && v3_finite(p[i].velocity)) continue;
+    return skf_error_set(r->error, SKF_ERR_RANGE, line,
+                         "a particle's %s is too large for a number, expected finite ones",
+                         x ? "velocity" : "position");
+  }
+  return SKF_OK;
+}
+
 size_t skf_source_name_size(const char *name, size_t n) {
   return strlen(name) + 2 + (size_t)snprintf(NULL, 0, "%06zu", n);
 }
@@ -256,7 +270,8 @@ skf_status skf_add_source(skf_reader *r, const skf_source *source, const char *n
     p[i].sourced = true, p[i].line = line, p[i].name = names + i * size;
     skf_source_name(p[i].name, name, i, n);
   }
-  if (!s && source->circular != 0) s = circulate(r, source, p, n);
+  if (!s) s = check_finite(r, p, n, line);
+  if (!s && source->circular != 0 && !(s = circulate(r, source, p, n))) s = check_finite(r, p, n, line);
   if (!s) r->scene->particle_count += n;
   return s;
 }

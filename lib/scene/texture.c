@@ -116,6 +116,9 @@ static skf_status read_texture(skf_reader *r, const skf_node *map, skf_texture *
 skf_status skf_read_textures(skf_reader *r, const skf_node *value, skf_look *look) {
   look->texture_count = 0;
   if (value->type != SKF_NODE_LIST) return look->texture_count = 1, read_texture(r, value, look->textures);
+  if (!value->count)
+    return skf_error_set(r->error, SKF_ERR_PARSE, value->line,
+                         "texture is empty, expected a texture or a list of them");
   if (value->count > SKF_LOOK_TEXTURES)
     return skf_error_set(r->error, SKF_ERR_PARSE, value->line, "texture has %d entries, expected at most %d",
                          value->count, SKF_LOOK_TEXTURES);

@@ -5,7 +5,7 @@
 #include "core/vec3.h"
 #include <string.h>
 
-static const skf_range half_turn = {0, 179, true}, quarter = {0, 89, false};
+static const skf_range half_turn = {0, 179, true}, wide = {0, 85, false};
 
 /* A camera while it is read; the thesis's words stand beside ours. */
 typedef struct sight {
@@ -81,13 +81,15 @@ skf_status skf_read_camera(skf_reader *r, const skf_node *map, void *into) {
   if (s) return s;
   skf_camera *c = &scene->camera;
   *c = d.camera, c->given = true, scene->shutter = d.shutter;
+  const char *from = camera_keys[given >> EYE & 1 ? EYE : FROM].name;
+  const char *to = camera_keys[given >> VRP & 1 ? VRP : TO].name, *up = camera_keys[given >> VUP & 1 ? VUP : UP].name;
   skf_vec3 view = v3_unit(v3_sub(c->to, c->from));
   if (!(v3_norm(view) > 0))
-    return skf_error_set(r->error, SKF_ERR_DEGENERATE, skf_map_line(r, map, given >> VRP & 1 ? "vrp" : "to"),
-                         "from and to are the same point, expected two points");
+    return skf_error_set(r->error, SKF_ERR_DEGENERATE, skf_map_line(r, map, to),
+                         "%s and %s are the same point, expected two points", from, to);
   if (v3_norm(v3_cross(view, v3_unit(c->up))) > 1e-9) return SKF_OK; /* below, rounding would turn the picture */
-  return skf_error_set(r->error, SKF_ERR_DEGENERATE, skf_map_line(r, map, given >> VUP & 1 ? "vup" : "up"),
-                       "up is zero or along the view, expected another direction");
+  return skf_error_set(r->error, SKF_ERR_DEGENERATE, skf_map_line(r, map, up),
+                       "%s is zero or along the view, expected another direction", up);
 }
 
 /* A light while it is read. */
@@ -121,7 +123,7 @@ static const skf_key light_keys[LIGHT_KEYS] = {
      .offset = offsetof(lamp, radius), .range = &skf_not_negative},
     {"area", NULL, "with point: instead of a ball", SKF_KEY_OTHER, .read = read_area, .form = "{u, v}"},
     {"angle", "deg", "with direction: half the angle that it spans (default: 2)", SKF_KEY_ANGLE,
-     .offset = offsetof(lamp, angle), .range = &quarter},
+     .offset = offsetof(lamp, angle), .range = &wide},
 };
 const skf_section skf_section_light = {"light", "a point or a direction, not both", light_keys, LIGHT_KEYS};
 
@@ -160,6 +162,8 @@ skf_status skf_read_lights(skf_reader *r, const skf_node *list, void *into) {
   skf_scene *scene = into;
   skf_status s = skf_expect(r, list, SKF_NODE_LIST, "lights", "a list of lights");
   if (s) return s;
+  if (!list->count)
+    return skf_error_set(r->error, SKF_ERR_PARSE, list->line, "lights is empty, expected a list of lights");
   enum { MOST = 8 }; /* that skf_render takes */
   if (list->count > MOST)
     return skf_error_set(r->error, SKF_ERR_RANGE, list->line, "lights has %d entries, expected at most %d", list->count,

@@ -95,7 +95,24 @@ static void numbers_change(void **state) {
   skf_scene_free(s);
 }
 
+/* Neither times nor values whose difference is beyond all numbers hinder. */
+static void numbers_change_far(void **state) {
+  (void)state;
+  static const char text[] =
+      "skelfield: 1\nbodies:\n  - {name: a, iso: 1, kernel: {type: inverse}, skeleton: [{point: {at: [0, 0, 0]}}]}\n"
+      "animate:\n  - {path: bodies.a.iso, keys: [[-1.7e308, 1], [1.7e308, 3]]}\n"
+      "  - {path: camera.from.0, keys: [[-1, -1.6e308], [1, 1.6e308]]}\n"
+      "camera: {from: [0, 3, 0], to: [0, 0, 0]}\n";
+  for (double t = -0.5; t < 0.6; t += 0.25) {
+    skf_scene *s = at_time(text, t);
+    check_close(s->bodies[0].iso, 2, 1e-15);
+    check_close(s->camera.from.x, 1.6e308 * t, 1e-15);
+    skf_scene_free(s);
+  }
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(every_key_is_read), cmocka_unit_test(numbers_change)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(every_key_is_read), cmocka_unit_test(numbers_change),
+                                     cmocka_unit_test(numbers_change_far)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
