@@ -113,7 +113,8 @@ static const cli_option options[] = {
     {0, "quality", "NAME",
      "normal, fine (four times the rays for soft shadows), or draft: no shadows, one ray a pixel"},
     {0, "spp", "N",
-     "rays for a pixel where surfaces end or light changes quickly (default: 9; with lens or shutter 128)"},
+     "rays for a pixel where surfaces end or light changes quickly (default: 9; with lens or shutter 128; 1 does "
+     "without both)"},
     {0, "bounces", "N", "how often light is mirrored or refracted; then rays see the background (default: 6)"},
     {0, "mode", "NAME", "surface, offset (hard surfaces around the skeleton), or cost (evaluations per pixel)"},
     {0, "skeleton", NULL, "shows the skeleton inside of surfaces that are seen through"},
@@ -129,7 +130,7 @@ static const cli_option options[] = {
     {0, "from", "X,Y,Z", "its place"},
     {0, "to", "X,Y,Z", "what it looks at"},
     {0, "up", "X,Y,Z", "what is up in the picture"},
-    {0, "ground", NULL, "a floor below the bodies that catches their shadows"},
+    {0, "ground", NULL, "a floor below the bodies that catches their shadows; in a film it stays where it is at first"},
     {0, "orbits", "RUN.csv", "draw the paths that simulate wrote"},
     {0, "contacts", "C.csv", "mark the contacts that simulate --contacts wrote"},
 };

@@ -2,9 +2,12 @@
 /* From a scene to what is rendered: bodies, their offsets and skeletons, pictures on them, camera, floor. */
 #include "render_job.h"
 #include "core/vec3.h"
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 static double linear_light(unsigned char x) {
   double v = x / 255.0;
@@ -17,6 +20,12 @@ int render_images(render_job *j) {
     skf_image *p = &image->pixels;
     unsigned char *rgb;
     char error[256];
+    struct stat about;
+    errno = 0;
+    if (stat(image->path, &about) || !S_ISREG(about.st_mode) ||
+        access(image->path, R_OK)) /* a pipe would be waited for */
+      return cli_fail(CLI_BAD, "%s:%ld: %s: %s, expected a picture", cli_operand(j->c, 0), image->line, image->path,
+                      errno ? strerror(errno) : "not a regular file");
     if (j->plot->decode(image->path, &p->width, &p->height, &rgb, error))
       return cli_fail(CLI_BAD, "%s:%ld: %s: %s, expected a picture", cli_operand(j->c, 0), image->line, image->path,
                       error);
@@ -156,8 +165,9 @@ int render_bodies(render_job *j) {
 void render_release(render_job *j) {
   size_t n = j->scene ? j->scene->body_count : 0;
   for (size_t i = 0; j->tracers && i < n; i++) skf_tracer_free(j->tracers[i]);
-  for (size_t i = 0; j->look_of && i < 2 * n; i++)
-    skf_offsets_free(j->offsets[i]), free(j->items[i]), free(j->look_of[i]);
+  for (size_t i = 0; j->offsets && i < 2 * n; i++) skf_offsets_free(j->offsets[i]);
+  for (size_t i = 0; j->items && i < 2 * n; i++) free(j->items[i]);
+  for (size_t i = 0; j->look_of && i < 2 * n; i++) free(j->look_of[i]);
   for (size_t i = 0; j->kept && i < 2 * n; i++) free(j->kept[i]);
   for (size_t i = 0; j->looks && i < n; i++) free(j->looks[i]);
   for (size_t i = 0; j->scene && i < j->scene->image_count; i++) free(j->scene->images[i]->pixels.rgb);
@@ -177,6 +187,48 @@ static int angle(const cli *c, const char *option, double lo, double hi, double 
   return status;
 }
 
+/* Points around a hull, not further from it than the picture's margin is wide. */
+enum { AROUND = 14, ARC_PLACES = 16, HULL_POINTS = ARC_PLACES * AROUND };
+
+static size_t around(skf_vec3 p, double radius, skf_vec3 *out) {
+  size_t n = 0;
+  for (int k = 0; k < 27; k++) {
+    skf_vec3 d = v3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    double square = v3_norm2(d);
+    if (square == 1 || square == 3) out[n++] = v3_mad(p, 1.1 * radius, v3_unit(d));
+  }
+  return n;
+}
+
+static size_t hull_points(const skf_offset *o, skf_vec3 *out) {
+  const skf_primitive *p = &o->primitive;
+  size_t n = 0;
+  skf_box box = skf_primitive_bounds(p);
+  switch (p->shape) {
+  case SKF_POINT: return around(p->point.at, o->radius, out);
+  case SKF_PLANE: return around(p->plane.through, o->radius, out);
+  case SKF_SEGMENT: n = around(p->segment.from, o->radius, out); return n + around(p->segment.to, o->radius, out + n);
+  case SKF_TRIANGLE:
+    for (int k = 0; k < 3; k++) n += around(p->triangle.vertices[k], o->radius, out + n);
+    return n;
+  case SKF_ARC: {
+    skf_vec3 z = v3_unit(p->arc.normal), x = v3_unit(v3_mad(p->arc.start, -v3_dot(p->arc.start, z), z));
+    skf_vec3 y = v3_cross(z, x);
+    for (int k = 0; k < ARC_PLACES; k++) {
+      double turn = p->arc.sweep * k / (ARC_PLACES - 1), r = p->arc.radius;
+      n += around(v3_mad(v3_mad(p->arc.center, r * cos(turn), x), r * sin(turn), y), o->radius, out + n);
+    }
+    return n;
+  }
+  default:
+    for (; n < 8; n++)
+      out[n] = v3(n & 1 ? box.hi.x : box.lo.x, n & 2 ? box.hi.y : box.lo.y, n & 4 ? box.hi.z : box.lo.z);
+    return n;
+  }
+}
+
+static bool is_hull(const skf_offset *o) { return o->primitive.shape == SKF_SOLID || o->radius > 0; }
+
 /* A camera that frames the bodies and the paths. */
 static int automatic_camera(render_job *j, double fov) {
   double azimuth = -60 * (SKF_PI / 180), elevation = 28 * (SKF_PI / 180);
@@ -185,6 +237,7 @@ static int automatic_camera(render_job *j, double fov) {
   if (status) return status;
   size_t n = 0, bodies = j->scene->body_count;
   for (size_t i = 0; i < j->run.particle_count; i++) n += j->run.particles[i].count;
+  for (size_t i = 0; i < bodies && j->mode == RENDER_OFFSET; i++) n += HULL_POINTS * j->scene->bodies[i].element_count;
   skf_vec3 *points = malloc((n + 1) * sizeof *points);
   const skf_field **fields = malloc((bodies + 1) * sizeof *fields);
   double *isos = malloc((bodies + 1) * sizeof *isos);
@@ -193,6 +246,9 @@ static int automatic_camera(render_job *j, double fov) {
     n = 0;
     for (size_t i = 0; i < j->run.particle_count; i++)
       for (size_t k = 0; k < j->run.particles[i].count; k++) points[n++] = j->run.particles[i].states[k].x;
+    for (size_t i = 0; i < bodies && j->mode == RENDER_OFFSET; i++)
+      for (size_t k = 0; k < j->scene->bodies[i].element_count; k++)
+        if (is_hull(j->items[i] + k)) n += hull_points(j->items[i] + k, points + n);
     for (size_t i = 0; i < bodies; i++) fields[i] = j->scene->bodies[i].field, isos[i] = j->scene->bodies[i].iso;
     s = skf_camera_frame(fields, isos, bodies, points, n, azimuth, elevation, fov,
                          (double)j->what.width / j->what.height, &j->what.camera);
@@ -221,6 +277,9 @@ int render_camera(render_job *j) {
     *camera = *given;
   else
     status = automatic_camera(j, fov);
+  if (!status && cli_given(c, "fov") && camera->height > 0)
+    status = cli_fail(CLI_BAD, "--fov %s: the scene's camera is orthographic, expected one in perspective",
+                      cli_value(c, "fov"));
   camera->fov = fov, camera->aperture = given->aperture, camera->focus = given->focus;
   if (!status) status = vector(c, "from", &camera->from);
   if (!status) status = vector(c, "to", &camera->to);

@@ -35,6 +35,7 @@ refused "half a frame" '--frames 2.5: expected a whole number' render ball.yaml 
 refused "a speed without a film" '--fps: expected --frames with it' render ball.yaml -o a.png --fps 3
 refused "a film backwards" '--until 1: expected a time after --time' render ball.yaml -o a.avi --frames 3 --time 2 --until 1
 refused "a skeleton in offsets" '--skeleton with --mode offset' render ball.yaml -o a.png --skeleton --mode offset
+refused "an angle of parallel rays" "--fov 30: the scene's camera is orthographic" render ball.yaml -o a.png --fov 30
 sed 's/^animate.*/x: 1/; /path:/d; s/x: 1//; s/rate: 0.5/rate: 0/' ball.yaml >still.yaml
 
 run render ball.yaml -o probe.png --size 16x16 --spp 1
@@ -48,7 +49,13 @@ materials:
 bodies:
   - {name: a, iso: 1, kernel: {type: inverse}, material: m, skeleton: [{point: {at: [0, 0, 0]}}]}
 END_OF_SCENE
-refused "a picture that is not there" 'photo.yaml:3: ./none.png: not a picture' render photo.yaml -o a.png --size 20x20
+refused "a picture that is not there" 'photo.yaml:3: ./none.png: No such file or directory, expected a picture' render photo.yaml -o a.png --size 20x20
+
+mkfifo none.png
+refused "a pipe as a picture" 'photo.yaml:3: ./none.png: not a regular file' render photo.yaml -o a.png --size 20x20
+rm none.png
+echo none >none.png
+refused "text as a picture" 'photo.yaml:3: ./none.png: not a picture' render photo.yaml -o a.png --size 20x20
 
 # numbers FILE.pfm: red and blue of each pixel, rows from the bottom as the format has them
 numbers() { tail -c $((12 * $2)) "$1" | od -An -v -tf4 -w12 | awk '{ print $1, $3 }'; }
