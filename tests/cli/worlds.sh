@@ -45,6 +45,20 @@ flies() {
   local touched
   touched=$(awk -F, 'NR > 1 { printf "%s%s", (NR > 2 ? " " : ""), $2 }' "$1.contacts.csv")
   expect "$1 is touched by: ${2:-nobody}" [ "$touched" = "$2" ]
+  local other
+  for other in rkn12 dop853; do
+    sed -E "s/^simulation: \\{(.*)tolerance: [^,]*/simulation: {integrator: $other, \\1tolerance: 1.0e-12/" "$data/$1.yaml" >"$1-$other.yaml"
+    run simulate "$1-$other.yaml" -o "$1-$other.csv"
+    expect "$1 ends where $other at 1e-12 ends, to 1e-10 of its distance" agree "$1.csv" "$1-$other.csv"
+  done
+}
+
+# agree A B: the particles of two runs end at the same places
+agree() {
+  awk -F, '!/^[0-9]/ { next } FNR == NR { x[$2] = $3; y[$2] = $4; z[$2] = $5; next } { u[$2] = $3; v[$2] = $4; w[$2] = $5 }
+    function norm(a, b, c) { return sqrt(a * a + b * b + c * c) }
+    END { for (p in x) { n++; if (!(norm(x[p] - u[p], y[p] - v[p], z[p] - w[p]) <= 1e-10 * norm(x[p], y[p], z[p]))) bad = 1 }
+      exit bad || !n }' "$1" "$2"
 }
 if has geographiclib; then # these launch a particle from the ground
   flies donut "stone jumper"
