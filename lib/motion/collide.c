@@ -9,6 +9,7 @@
 #include <float.h>
 
 #define ROUNDING (64 * DBL_EPSILON) /* of places, relative to their coordinates: a gap below is not known */
+#define GRAZE    1e-3               /* of the whole time: no longer piece before a touch is left out for rounding */
 #define FINE     0.5 /* a cube whose ball moves by more than its radius over this is not cut before the interval is */
 
 enum { DEPTH = 64, MOST_CELLS = 4000000 };
@@ -22,9 +23,10 @@ typedef struct sweep {
   skf_duel duel;
   double sign;  /* -1 when a and b were exchanged */
   double mean;  /* time */
-  double slack; /* times closer than this are one */
+  double clock; /* rounding of times */
+  double slack; /* times closer than this to `until` are not looked at */
   double far;   /* size of coordinates */
-  double begin;
+  double begin, end;
   double tried;  /* size of the last cube at rest from where the deepest place was looked for */
   double until;  /* an earlier contact is not known to exist */
   skf_kiss kiss; /* at `until`, if sure */
@@ -80,8 +82,9 @@ static motion follow(const sweep *s, const skf_pose *pa, const skf_pose *pb, dou
 typedef enum verdict { DISMISSED, SPACE, TIME } verdict;
 
 static void found(sweep *s, double t, skf_vec3 p) {
+  t = fmax(t, s->begin); /* intervals are taken longer by a rounding error */
   if (t >= s->until) return;
-  s->until = t, s->sure = false;
+  s->until = t, s->sure = false, s->slack = s->clock;
   s->kiss.t = t, s->kiss.p = p;
 }
 
@@ -154,9 +157,10 @@ static void guess_touch(sweep *s, double t, double h, size_t from) {
     skf_kiss k;
     cube c = s->stack[i];
     if (!skf_kiss_in_time(&s->duel, t, c.center, 4 * c.half, 4 * h, &k)) continue;
-    if (!(k.approach > 0) || k.t < s->begin || k.t > s->until) continue;
+    if (!(k.approach > 0) || k.t < s->begin || k.t > fmin(s->end, s->until)) continue;
     s->until = k.t, s->sure = true, s->kiss = k;
-    s->slack = fmax(s->slack, ROUNDING * s->far / k.approach); /* before it, rounding could hide the gap */
+    /* before it, rounding could hide the gap; where they graze, that is no reason not to look elsewhere */
+    s->slack = fmax(s->clock, fmin(ROUNDING * s->far / k.approach, GRAZE * (s->end - s->begin)));
     return;
   }
 }
@@ -206,9 +210,10 @@ static skf_status enter(sweep *s, const skf_collider *a, const skf_rigid_motion 
   return SKF_OK;
 }
 
-static double reach_of(const skf_collider *c, const skf_rigid_motion *m, double t) {
-  skf_vec3 x = skf_rigid_at(m, t).position;
-  return v3_norm(x) + (c->bounded ? v3_dist(c->center, c->origin) + c->radius : 0);
+/* The largest coordinate during |time - t| <= h. */
+static double reach_of(const skf_collider *c, const skf_rigid_motion *m, double t, double h) {
+  double way = v3_norm(velocity_at(m, t)) * h + 0.5 * v3_norm(m->acceleration) * h * h;
+  return v3_norm(skf_rigid_at(m, t).position) + way + (c->bounded ? v3_dist(c->center, c->origin) + c->radius : 0);
 }
 
 static cube whole(const skf_collider *c) {
@@ -258,7 +263,8 @@ static void tell(const sweep *s, skf_meeting meeting, const skf_kiss *k, skf_mee
 /* At rest at time t. */
 static void rest(sweep *s, double t, skf_meet *out) {
   skf_pose pa = skf_rigid_at(&s->duel.ma, t), pb = skf_rigid_at(&s->duel.mb, t);
-  s->far = reach_of(s->duel.a, &s->duel.ma, t) + reach_of(s->duel.b, &s->duel.mb, t);
+  s->far = reach_of(s->duel.a, &s->duel.ma, t, 0) + reach_of(s->duel.b, &s->duel.mb, t, 0);
+  s->begin = s->end = t;
   s->tried = INFINITY;
   refine(s, &pa, &pb, t, 0, whole(s->duel.a));
   bool over = s->cells > MOST_CELLS, met = s->until <= t;
@@ -279,10 +285,10 @@ skf_status skf_collide(const skf_collider *a, const skf_pose *pa, const skf_coll
 }
 
 static void first(sweep *s, double t0, double t1, skf_meet *out) {
-  s->begin = t0, s->until = s->doubt = INFINITY, s->grazing = 0;
-  s->far = fmax(reach_of(s->duel.a, &s->duel.ma, t0), reach_of(s->duel.a, &s->duel.ma, t1)) +
-           fmax(reach_of(s->duel.b, &s->duel.mb, t0), reach_of(s->duel.b, &s->duel.mb, t1));
-  s->slack = 16 * DBL_EPSILON * fmax(fabs(t0), fabs(t1));
+  double t = 0.5 * (t0 + t1), h = 0.5 * (t1 - t0);
+  s->begin = t0, s->end = t1, s->until = s->doubt = INFINITY, s->grazing = 0;
+  s->far = reach_of(s->duel.a, &s->duel.ma, t, h) + reach_of(s->duel.b, &s->duel.mb, t, h);
+  s->clock = s->slack = 16 * DBL_EPSILON * fmax(fabs(t0), fabs(t1));
   push(s, whole(s->duel.a));
   if (!s->status) scan(s, t0, t1, 0, 1, DEPTH);
   skf_kiss k = {.t = t1};

@@ -126,6 +126,30 @@ static void needle_through_the_hole(void **state) {
   drop(ring), drop(needle);
 }
 
+/* A bar, which is a spheroid with the foci at its ends, turning above a plane: its lowest place is at sqrt(A^2 sin^2 +
+   B^2 cos^2) below the middle. It begins flat and close, hardly approaching, or falls slowly while it spins, its ends
+   passing the plane closer and closer; later touches must not hide the first one. */
+static void bars_that_turn(void **state) {
+  (void)state;
+  skf_element flat = {{.shape = SKF_PLANE, .plane = {{0, 0, 0}, {0, 0, 1}}}, newton, 1};
+  skf_element rod = segment_of(v3(-0.5, 0, 0), v3(0.5, 0, 0), newton, 1);
+  solid ground = solid_of(&flat, 1, -TAU); /* |z| < 1 */
+  for (int i = 0; i < 8; i++) {
+    double iso = 3 + i / 2 % 2, A = 0.5 / tanh(0.5 * iso), B = 0.5 / sinh(0.5 * iso), end = i % 2 ? 5.1 : 10;
+    double H = B + 1e-3, rate = asin(2 * sqrt((H - B) * (H + B))) / 5, fall = 0;
+    if (i >= 4) H = A + 1e-3, rate = SKF_PI / 2, fall = 1e-3 / 5; /* upright at 1, 3, and 5, when it touches */
+    solid bar = solid_of(&rod, 1, iso);
+    skf_rigid_motion a = moving(pose_at(zero, zero), zero, zero),
+                     b = moving(pose_at(v3(0.1, 0.2, 1 + H), zero), v3(0, 0, -fall), v3(0, rate, 0));
+    skf_meet m;
+    assert_int_equal(skf_collide_first(ground.is, &a, bar.is, &b, 0, end, &m), SKF_OK);
+    assert_int_equal(m.meeting, SKF_MEETING_OVERLAP);
+    check_close(m.t, 5, i >= 4 ? 3e-10 : 1e-11); /* rounding of places over the speed of approach */
+    drop(bar);
+  }
+  drop(ground);
+}
+
 /* Whether some place of a grid over a is inside both. */
 static bool grid_says(const solid *a, skf_pose pa, double iso_a, const solid *b, skf_pose pb, double iso_b, double size,
                       int n) {
@@ -212,7 +236,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(spheres_at_rest),         cmocka_unit_test(spheres_in_flight),
       cmocka_unit_test(needle_through_the_hole), cmocka_unit_test(brute_force_agrees),
-      cmocka_unit_test(planes_and_refusals),
+      cmocka_unit_test(planes_and_refusals),     cmocka_unit_test(bars_that_turn),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
