@@ -38,7 +38,7 @@ static double apart(const skf_swarm *s, double h, const double *a, const double 
     const skf_mover *m = s->bodies + i;
     if (!m->free) continue;
     double speed = sqrt(p[3] * p[3] + p[4] * p[4] + p[5] * p[5]) + sqrt(y[3] * y[3] + y[4] * y[4] + y[5] * y[5]);
-    double size = m->hull->bounded ? m->hull->radius : 1, L = 0, x = 0, v = 0, r = 0, l = 0;
+    double size = m->hull->radius, L = 0, x = 0, v = 0, r = 0, l = 0;
     for (int k = 0; k < 3; k++) {
       L += fabs(p[10 + k]) + fabs(y[10 + k]);
       x = fmax(x, beyond(p[k], q[k])), v = fmax(v, beyond(p[3 + k], q[3 + k]));
@@ -69,6 +69,8 @@ static bool attempt(skf_swarm *s, double h, double *to, double *error) {
     }
   }
   memcpy(to, T, n * sizeof *to);
+  for (size_t i = 0; i < n; i++)
+    if (!isfinite(to[i])) return false;
   *error = apart(s, h, to, last);
   return isfinite(*error);
 }
