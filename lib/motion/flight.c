@@ -32,10 +32,10 @@ struct skf_flight {
   skf_ode ode;
   nearest *near; /* of each body, or NULL; kept by skf_flight_save, too */
   /* From here on: what skf_flight_save keeps. */
-  skf_orbit orbit;     /* at the end of the last step, after its contact */
-  skf_clock from;      /* start of the last step */
-  skf_path path;       /* of the last step, where there was one */
-  bool stepped, dense; /* there was a step; its path is known */
+  skf_orbit orbit; /* at the end of the last step, after its contact */
+  skf_clock from;  /* start of the last step */
+  skf_path path;   /* of the last step, where there was one */
+  bool dense;      /* it is known */
   fate fate;
   size_t body;          /* that it rides on, or on whose surface it starts; SIZE_MAX: none */
   skf_vec3 seat;        /* its place on that body */
@@ -49,7 +49,7 @@ struct skf_flight {
 static bool sound(const skf_flight_options *o, bool adaptive) {
   if (!(o->tolerance > 0 && o->tolerance <= 0.1) || !(o->max_step > 0)) return false;
   if ((unsigned)o->contact >= SKF_CONTACT_COUNT || (unsigned)o->search > SKF_SEARCH_FAST) return false;
-  if (adaptive ? o->step != 0 : !(o->step > 0 && isfinite(o->step))) return false;
+  if (adaptive ? o->step != 0 : !(o->step > 0 && isfinite(o->step)) || o->max_step < INFINITY) return false;
   if (o->contact != SKF_CONTACT_BOUNCE) return true;
   return o->restitution >= 0 && o->restitution <= 1 && o->friction >= 0 && isfinite(o->friction);
 }
@@ -255,7 +255,7 @@ skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
   f->report.h_min = fmin(f->report.h_min, h);
   f->report.h_max = fmax(f->report.h_max, h);
   f->from = before.t;
-  f->stepped = true, f->dense = false;
+  f->dense = false;
   if (f->options.contact == SKF_CONTACT_NONE && !f->near) return SKF_OK;
   s = know_path(f);
   if (s) return s;
@@ -282,7 +282,7 @@ skf_status skf_flights_pass(skf_flight *const *flights, size_t n, double t, skf_
     bool moves = f->orbit.t.hi < t && !status[i];
     lanes[i] = (skf_lane){f->work,      &f->orbit, &f->from, &f->report, &f->ode.evaluations, f->options.tolerance,
                           longest_step, f,         status[i]};
-    if (moves) f->stepped = true, f->dense = false;
+    if (moves) f->dense = false;
   }
   if (n) flights[0]->ops->pass(&flights[0]->ode, lanes, n, t);
   for (size_t i = 0; i < n; i++) status[i] = lanes[i].status;

@@ -41,7 +41,9 @@ typedef enum skf_search {
 
 /* ---- Integrators ---- */
 
-/* A registered integrator. */
+/* A registered integrator. Adaptive ones find the joins of compact kernels (where a soft object or metaball ends), by
+   steps no longer than those leave and by what their error tells. Fixed steps pass over joins, however deep, without a
+   report: there the order is lost, and a symplectic integrator's energy may jump. */
 typedef struct skf_integrator_info {
   const char *name, *doc;
   int order;       /* error of a step is O(h^(order + 1)) */
@@ -141,7 +143,7 @@ SKF_API skf_invariants skf_world_invariants(const skf_world *world, const skf_st
 typedef struct skf_flight_options {
   const char *integrator; /* NULL: default */
   double tolerance;       /* relative error per step, in (0, 0.1]; 0: 1e-12 */
-  double max_step;        /* [T]; 0: none */
+  double max_step;        /* [T], of adaptive integrators; 0: none, as for the others */
   skf_contact_mode contact;
   double restitution, friction; /* of a bounce: restitution in [0, 1], friction >= 0 */
   skf_search search;

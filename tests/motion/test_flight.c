@@ -199,6 +199,8 @@ static void bad_flights_are_refused(void **state) {
   skf_state s = kepler(0.5), in_the_sun = {0, {0, 0, 0}, {0, 0, 0}};
   assert_int_equal(skf_flight_new(w, &(skf_flight_options){.integrator = "euler"}, &s, &f), SKF_ERR_ARG);
   assert_int_equal(skf_flight_new(w, &(skf_flight_options){.tolerance = 1}, &s, &f), SKF_ERR_ARG);
+  skf_flight_options fixed = {.integrator = "leapfrog", .step = 0.1, .max_step = 0.2};
+  assert_int_equal(skf_flight_new(w, &fixed, &s, &f), SKF_ERR_ARG);
   assert_int_equal(skf_flight_new(w, &(skf_flight_options){0}, &in_the_sun, &f), SKF_ERR_CONVERGENCE);
   s.velocity.x = NAN;
   assert_int_equal(skf_flight_new(w, &(skf_flight_options){0}, &s, &f), SKF_ERR_RANGE);
