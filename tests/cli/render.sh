@@ -33,14 +33,16 @@ refused "a cost as light" '--mode cost: .exr holds light' render ball.yaml -o a.
 refused "a film on stdout" '--frames: a film is not written to stdout' render ball.yaml --frames 3
 refused "half a frame" '--frames 2.5: expected a whole number' render ball.yaml -o a.avi --frames 2.5
 refused "a speed without a film" '--fps: expected --frames with it' render ball.yaml -o a.png --fps 3
-refused "a film backwards" '--until 1: expected a time after --time' render ball.yaml -o a.avi --frames 3 --time 2 --until 1
 refused "a skeleton in offsets" '--skeleton with --mode offset' render ball.yaml -o a.png --skeleton --mode offset
 refused "an angle of parallel rays" "--fov 30: the scene's camera is orthographic" render ball.yaml -o a.png --fov 30
 sed 's/^animate.*/x: 1/; /path:/d; s/x: 1//; s/rate: 0.5/rate: 0/' ball.yaml >still.yaml
 
-run render ball.yaml -o probe.png --size 16x16 --spp 1
-[ "$ran_status" -eq 1 ] && grep -q 'has no OpenCV' "$kept/err" && tap_done && exit 0 # the rest draws
+if ! has opencv; then # the rest draws
+  tap_done
+  exit
+fi
 
+refused "a film backwards" '--until 1: expected a time after --time' render ball.yaml -o a.avi --frames 3 --time 2 --until 1
 refused "a film of nothing" '--frames 3: nothing moves, expected' render still.yaml -o a.png --frames 3
 write photo.yaml <<'END_OF_SCENE'
 skelfield: 1
