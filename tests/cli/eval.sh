@@ -90,8 +90,8 @@ expect_no_err "no bar elsewhere"
 if script -qec true /dev/null >"$kept/out" 2>&1 </dev/null; then # where there are terminals
   awk -v OFS=, 'BEGIN { print "x,y,z"; for (i = 0; i < 400000; i++) print i, 1, 2 }' >more.csv
   awk 'BEGIN { print "skelfield: 1\nbodies:\n  - name: a\n    iso: 1\n    kernel: {type: cauchy, s: 1}\n    skeleton:";
-    for (i = 0; i < 20; i++) print "      - arc: {center: [" i ", 0, 0], normal: [0, 1, 1], start: [1, 0, 0], radius: 1, sweep: 90}" }' >arcs.yaml
-  script -qec "'$SKF_PROGRAM' eval arcs.yaml more.csv -o more.out" /dev/null >"$kept/out" 2>&1 </dev/null
+    for (i = 0; i < 150; i++) print "      - arc: {center: [" i ", 0, 0], normal: [0, 1, 1], start: [1, 0, 0], radius: 1, sweep: 90}" }' >arcs.yaml
+  script -qec "'$SKF_PROGRAM' eval arcs.yaml more.csv -o more.out --threads 1" /dev/null >"$kept/out" 2>&1 </dev/null
   ran="eval on a terminal"
   expect_out "a bar on a terminal" 'eval \[#*\.*\] +[0-9]+%, [0-9:]+ left'
   rm more.csv more.out
