@@ -65,6 +65,8 @@ int cli_out_open(cli_out *o, const char *path); /* CLI_DONE, or CLI_FAILED after
 int cli_out_name(cli_out *o, const char *path);
 int cli_out_commit(cli_out *o); /* flushes, syncs, checks for errors, renames */
 void cli_out_abort(cli_out *o);
+/* Whether two names are one regular file, now or when both have been written. */
+bool cli_same_file(const char *a, const char *b);
 
 /* A number with 17 significant digits, as every CSV here has it. */
 void cli_put(FILE *f, double x);

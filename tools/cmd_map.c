@@ -49,6 +49,8 @@ static int parse(map_job *j) {
   if (!status) status = whole(c, "levels", 0, 60, &j->levels);
   if (!status) status = whole(c, "every", 1, 64, &j->every);
   if (status || (cli_given(c, "csv") && !cli_given(c, "output"))) return status;
+  if (cli_given(c, "csv") && cli_same_file(cli_value(c, "output"), cli_value(c, "csv")))
+    return cli_fail(CLI_BAD, "-o and --csv name the same file");
   status = picture_format(c, &j->format);
   if (!status && j->format->linear)
     status = cli_fail(CLI_BAD, "%s: this format holds light, a map needs one for pictures such as .png",

@@ -5,7 +5,6 @@
 #include "run_bodies.h"
 #include "run_summary.h"
 #include "trajectory.h"
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -78,25 +77,6 @@ static void warn_inside(const simulate *s) {
 
 static bool to_stdout(const char *path) { return !path || strcmp(path, "-") == 0; }
 
-/* The folder and the last part of a name that does not exist yet; of one that does, the file behind it. */
-static void true_name(const char *path, char out[PATH_MAX]) {
-  char folder[PATH_MAX];
-  if (realpath(path, out)) return;
-  const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-  snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
-  if (!realpath(folder, out)) snprintf(out, PATH_MAX, "%s", folder);
-  size_t n = strlen(out);
-  snprintf(out + n, PATH_MAX - n, "/%s", name);
-}
-
-static bool same_file(const char *a, const char *b) {
-  char x[PATH_MAX], y[PATH_MAX];
-  struct stat s, t;
-  if (stat(a, &s) == 0 && stat(b, &t) == 0) return s.st_dev == t.st_dev && s.st_ino == t.st_ino && S_ISREG(s.st_mode);
-  true_name(a, x), true_name(b, y);
-  return strcmp(x, y) == 0;
-}
-
 static int check(const cli *c, const skf_scene *scene) {
   const char *path = cli_operand(c, 0), *contacts = cli_value(c, "contacts"), *out = cli_value(c, "output");
   if (cli_given(c, "bodies")) return cli_fail(CLI_BAD, "%s: no body moves, expected motion for --bodies", path);
@@ -106,7 +86,7 @@ static int check(const cli *c, const skf_scene *scene) {
   if (cli_given(c, "json") && to_stdout(out)) return cli_fail(CLI_BAD, "--json needs -o FILE: both want stdout");
   if (contacts && to_stdout(contacts) && (to_stdout(out) || cli_given(c, "json")))
     return cli_fail(CLI_BAD, "--contacts - needs stdout for itself, expected a file name");
-  if (contacts && out && !to_stdout(out) && same_file(out, contacts))
+  if (contacts && out && !to_stdout(out) && cli_same_file(out, contacts))
     return cli_fail(CLI_BAD, "-o and --contacts name the same file");
   const char *keep = cli_value(c, "checkpoint"), *resume = cli_value(c, "resume");
   if (keep && resume && strcmp(keep, resume) != 0)
@@ -114,7 +94,8 @@ static int check(const cli *c, const skf_scene *scene) {
   if (cli_given(c, "every-seconds") && !keep && !resume)
     return cli_fail(CLI_BAD, "--every-seconds needs --checkpoint FILE");
   const char *file = keep ? keep : resume;
-  if (file && ((out && same_file(file, out)) || (contacts && same_file(file, contacts)) || same_file(file, path)))
+  if (file &&
+      ((out && cli_same_file(file, out)) || (contacts && cli_same_file(file, contacts)) || cli_same_file(file, path)))
     return cli_fail(CLI_BAD, "--checkpoint and another argument name the same file");
   return CLI_DONE;
 }

@@ -36,7 +36,7 @@ static int check(const cli *c, const skf_scene *scene) {
       return cli_fail(CLI_BAD, "%s:%ld: body '%s' has a spin among bodies that move, expected motion instead", path,
                       scene->bodies[i].line, scene->bodies[i].name);
   if (hits && strcmp(hits, "-") == 0) return cli_fail(CLI_BAD, "--contacts needs a file name here");
-  if (hits && rows && strcmp(hits, rows) == 0) return cli_fail(CLI_BAD, "--bodies and --contacts name the same file");
+  if (hits && rows && cli_same_file(hits, rows)) return cli_fail(CLI_BAD, "--bodies and --contacts name the same file");
   return CLI_DONE;
 }
 
@@ -132,7 +132,8 @@ static int fly(bodies *s) {
   cli_progress_end();
   skf_rigid_sums last = skf_swarm_sums(s->swarm);
   double E = first.kinetic + first.potential, e = last.kinetic + last.potential;
-  cli_say("%zu hits to t = %.9g; energy %.9g at the start, %.9g at the end", s->hit_count, t, E, e);
+  cli_say("%zu hit%s to t = %.9g; energy %.9g at the start, %.9g at the end", s->hit_count,
+          s->hit_count == 1 ? "" : "s", t, E, e);
   if (bad == SKF_ERR_CANCELLED) return cli_fail(CLI_FAILED, "interrupted after t = %.9g, rows before are written", t);
   if (bad == SKF_ERR_CONVERGENCE)
     return cli_fail(CLI_FAILED,

@@ -23,6 +23,8 @@ expect "momentum is kept: donut 10, needle 1" awk -F, 'NR > 1 { m = $2 == "donut
 run simulate aside.yaml --bodies again.csv --threads 1
 expect_same "one thread gives the same bytes" aside.csv again.csv
 
+run simulate aside.yaml --bodies a.csv --contacts ./a.csv
+expect_refused "one file for two tables" "--bodies and --contacts name the same file"
 refuse_simulate() { run simulate "$2" && :; expect_refused "$1" "$3"; }
 sed 's/^simulation/particles: [{name: p, position: [9, 9, 9], velocity: [0, 0, 0]}]\nsimulation/' aside.yaml >both.yaml
 refuse_simulate "particles among bodies that move" both.yaml 'both.yaml: particles among bodies that move'
