@@ -3,11 +3,9 @@
    go on with the same bits. */
 #include "core/alloc.h"
 #include "core/vec3.h"
-#include "motion/flight.h"
-#include <stdint.h>
+#include "motion/runner.h"
 #include <stdlib.h>
 #include <string.h>
-#include <omp.h>
 
 /* At most about this many states (56 bytes each) are held at a time: what is interrupted loses little. */
 #define HELD 65536
@@ -16,44 +14,6 @@
 /* Particles that fly side by side are handed to a thread in flocks of this many, or fewer where threads would starve.
  */
 #define FLOCK 256
-
-typedef struct log_entry {
-  skf_contact contact;
-  size_t sequence; /* of the particle's contacts */
-} log_entry;
-
-/* Contacts of the window, as one thread has seen them. */
-typedef struct contact_log {
-  log_entry *entries;
-  size_t count, capacity;
-} contact_log;
-
-/* What a particle waits with: a contact later than the window; and how far it is. */
-typedef struct pending {
-  skf_contact contact;
-  bool held;
-  size_t sequence;
-  size_t row; /* of the window, the next one */
-} pending;
-
-struct skf_runner {
-  const skf_world *world;
-  skf_run run;
-  const skf_run_sink *sink;
-  const skf_progress *progress;
-  double start;
-  size_t row_count, window, first; /* rows; in a window; before this window */
-  skf_flight **flights;
-  pending *waiting;
-  skf_state *rows; /* rows of the window, each of run.count states */
-  contact_log *logs;
-  int threads;
-  skf_status *status; /* of each particle in this window */
-  double *failed_at;
-  omp_lock_t watching;
-  size_t flown; /* rows of all particles in this window */
-  int stop;
-};
 
 /* Rows at start + k every, and one at t_end; a multiple that is t_end up to rounding is t_end. */
 static size_t count_rows(const skf_run *run, double start) {
@@ -70,22 +30,6 @@ static double row_time(const skf_runner *r, size_t k) {
   return r->start + (double)k * r->run.every;
 }
 
-static size_t rows_in_window(const skf_runner *r) {
-  size_t left = r->row_count - r->first;
-  return r->window < left ? r->window : left;
-}
-
-static skf_status keep(contact_log *log, const skf_contact *c, size_t sequence) {
-  if (log->count == log->capacity) {
-    size_t capacity = 2 * log->capacity + 16;
-    log_entry *more = skf_realloc(log->entries, capacity, sizeof *more);
-    if (!more) return SKF_ERR_NOMEM;
-    log->entries = more, log->capacity = capacity;
-  }
-  log->entries[log->count++] = (log_entry){*c, sequence};
-  return SKF_OK;
-}
-
 static bool stopped(skf_runner *r) {
   int stop;
 #pragma omp atomic read
@@ -99,7 +43,7 @@ static void watch(skf_runner *r, double part) {
   size_t flown;
 #pragma omp atomic read
   flown = r->flown;
-  double n = (double)r->run.count, done = ((double)r->first * n + (double)flown + part) / ((double)r->row_count * n);
+  double n = (double)r->mine, done = ((double)r->first * n + (double)flown + part) / ((double)r->row_count * n);
   if (r->progress->report(r->progress->user, fmin(done, 1))) {
 #pragma omp atomic write
     r->stop = 1;
@@ -108,13 +52,13 @@ static void watch(skf_runner *r, double part) {
 }
 
 /* Flies one particle to time t; contacts up to then go to the log. */
-static skf_status fly_to(skf_runner *r, size_t i, double t, contact_log *log) {
-  pending *wait = r->waiting + i;
+static skf_status fly_to(skf_runner *r, size_t i, double t, skf_contact_log *log) {
+  skf_pending *wait = r->waiting + i;
   double from, to, begin = NAN;
   for (;;) {
     skf_flight_span(r->flights[i], &from, &to);
     if (wait->held && wait->contact.t <= t) {
-      skf_status s = keep(log, &wait->contact, wait->sequence++);
+      skf_status s = skf_contact_log_add(log, &wait->contact, wait->sequence++);
       if (s) return s;
       wait->held = false;
     }
@@ -124,14 +68,14 @@ static skf_status fly_to(skf_runner *r, size_t i, double t, contact_log *log) {
     if (stopped(r)) return SKF_ERR_CANCELLED;
     skf_status s = skf_flight_step(r->flights[i], &wait->contact, &wait->held);
     if (s) return r->failed_at[i] = to, s;
-    wait->contact.particle = i;
+    wait->contact.particle = skf_team_particle(&r->team, i);
   }
 }
 
 /* The state at row k of the window, once the flight is there. */
 static skf_status take_row(skf_runner *r, size_t i, size_t k) {
   double t = row_time(r, r->first + k);
-  skf_status s = skf_flight_at(r->flights[i], t, r->rows + k * r->run.count + i);
+  skf_status s = skf_flight_at(r->flights[i], t, skf_runner_cell(r, i, k));
   if (s) return s;
   r->waiting[i].row++;
 #pragma omp atomic update
@@ -140,8 +84,8 @@ static skf_status take_row(skf_runner *r, size_t i, size_t k) {
 }
 
 static skf_status fly_window(skf_runner *r, size_t i) {
-  contact_log *log = r->logs + omp_get_thread_num();
-  for (size_t k; (k = r->waiting[i].row) < rows_in_window(r);) {
+  skf_contact_log *log = r->logs + omp_get_thread_num();
+  for (size_t k; (k = r->waiting[i].row) < skf_runner_rows(r);) {
     skf_status s = fly_to(r, i, row_time(r, r->first + k), log);
     if (!s) s = take_row(r, i, k);
     if (s) return s;
@@ -173,7 +117,7 @@ static skf_status fly_together(skf_runner *r, size_t i, size_t m, size_t k) {
 /* The same as fly_window for m particles from i on. */
 static void fly_flock(skf_runner *r, size_t i, size_t m) {
   for (size_t j = i; j < i + m; j++) r->status[j] = SKF_OK;
-  for (size_t k = slowest(r, i, m); k < rows_in_window(r); k++) {
+  for (size_t k = slowest(r, i, m); k < skf_runner_rows(r); k++) {
     double from, to;
     skf_status s = fly_together(r, i, m, k);
     for (size_t j = i; j < i + m; j++) {
@@ -188,7 +132,8 @@ static void fly_flock(skf_runner *r, size_t i, size_t m) {
 
 /* All particles to the end of the window. */
 static void fly_all(skf_runner *r) {
-  size_t n = r->run.count, share = n / (4 * (size_t)r->threads) + 1, flock = share < FLOCK ? share : FLOCK;
+  size_t n = r->mine, share = n / (4 * (size_t)r->threads) + 1, flock = share < FLOCK ? share : FLOCK;
+  if (n == 0) return;
   if (skf_flight_in_flock(r->flights[0])) {
 #pragma omp parallel for schedule(dynamic, 1) num_threads(r->threads) if (n > 1)
     for (size_t i = 0; i < n; i += flock) fly_flock(r, i, n - i < flock ? n - i : flock);
@@ -199,18 +144,18 @@ static void fly_all(skf_runner *r) {
 }
 
 static int by_time(const void *a, const void *b) {
-  const log_entry *x = a, *y = b;
+  const skf_log_entry *x = a, *y = b;
   if (x->contact.t != y->contact.t) return x->contact.t < y->contact.t ? -1 : 1;
   if (x->contact.particle != y->contact.particle) return x->contact.particle < y->contact.particle ? -1 : 1;
   return (x->sequence > y->sequence) - (x->sequence < y->sequence);
 }
 
 /* All threads' contacts of the window in one list, in order. */
-static skf_status merge(skf_runner *r, contact_log *all) {
-  *all = (contact_log){0};
+static skf_status merge(skf_runner *r, skf_contact_log *all) {
+  *all = (skf_contact_log){0};
   for (int t = 0; t < r->threads; t++) {
     for (size_t k = 0; k < r->logs[t].count; k++) {
-      skf_status s = keep(all, &r->logs[t].entries[k].contact, r->logs[t].entries[k].sequence);
+      skf_status s = skf_contact_log_add(all, &r->logs[t].entries[k].contact, r->logs[t].entries[k].sequence);
       if (s) return s;
     }
     r->logs[t].count = 0;
@@ -221,10 +166,10 @@ static skf_status merge(skf_runner *r, contact_log *all) {
 
 /* Hands contacts and rows on, in order of time, up to but not including the time `before`. */
 static skf_status deliver(skf_runner *r, double before) {
-  contact_log all;
+  skf_contact_log all;
   skf_status s = merge(r, &all);
   size_t c = 0;
-  for (size_t k = 0; k < rows_in_window(r) && !s; k++) {
+  for (size_t k = 0; k < skf_runner_rows(r) && !s; k++) {
     double t = row_time(r, r->first + k);
     if (t >= before) break;
     for (; c < all.count && all.entries[c].contact.t <= t && !s; c++)
@@ -235,70 +180,71 @@ static skf_status deliver(skf_runner *r, double before) {
   return s;
 }
 
-/* The worst of a window: cancelled, out of memory, or the particle that failed first. */
-static skf_status verdict(const skf_runner *r, skf_run_failure *failure) {
-  skf_status worst = SKF_OK;
-  skf_run_failure first = {0, INFINITY};
-  for (size_t i = 0; i < r->run.count; i++) {
-    skf_status s = r->status[i];
-    if (s == SKF_ERR_CONVERGENCE && r->failed_at[i] < first.t) first = (skf_run_failure){i, r->failed_at[i]};
-    if (s && (worst == SKF_OK || worst == SKF_ERR_CONVERGENCE)) worst = s;
-  }
-  if (worst == SKF_ERR_CONVERGENCE && failure) *failure = first;
-  return worst;
+/* The worst of a window, of all members: cancelled, out of memory, or the particle that failed first. */
+static skf_status verdict(const skf_runner *r, skf_status before, skf_run_failure *where) {
+  skf_status worst = before;
+  *where = (skf_run_failure){0, INFINITY};
+  for (size_t i = 0; i < r->mine; i++)
+    skf_team_worse(&worst, where, r->status[i], (skf_run_failure){skf_team_particle(&r->team, i), r->failed_at[i]});
+  return skf_team_agree(&r->team, worst, where);
 }
 
 skf_status skf_runner_fly(skf_runner *r, const skf_run_sink *sink, const skf_progress *progress,
                           skf_run_failure *failure) {
-  size_t n = r->run.count;
+  skf_run_failure where;
+  skf_status s = SKF_OK; /* of the sink, which the first member alone has */
   r->sink = sink, r->progress = progress, r->stop = 0;
   while (r->first < r->row_count) {
-    fly_all(r);
-    skf_run_failure where = {0, INFINITY};
-    skf_status bad = verdict(r, &where);
+    if (!s) fly_all(r);
+    skf_status bad = verdict(r, s, &where);
     if (bad == SKF_ERR_CONVERGENCE && failure) *failure = where;
     if (bad && bad != SKF_ERR_CONVERGENCE) return bad;
-    skf_status s = deliver(r, where.t);
-    if (s || bad) return s ? s : bad;
-    r->first += rows_in_window(r), r->flown = 0;
-    for (size_t i = 0; i < n; i++) r->waiting[i].row = 0;
+    s = skf_runner_collect(r);
+    if (!s && r->team.rank == 0) s = deliver(r, where.t);
+    if (bad) return skf_team_agree(&r->team, s ? s : bad, NULL);
+    r->first += skf_runner_rows(r), r->flown = 0;
+    for (size_t i = 0; i < r->mine; i++) r->waiting[i].row = 0;
   }
-  return SKF_OK;
+  return skf_team_agree(&r->team, s, NULL);
 }
 
 static skf_status launch(skf_runner *r, skf_run_failure *failure) {
-  size_t n = r->run.count;
+  size_t n = r->mine;
 #pragma omp parallel for schedule(static) num_threads(r->threads) if (n > 1000)
-  for (size_t i = 0; i < n; i++)
-    r->status[i] = skf_flight_new(r->world, &r->run.flight, r->run.start + i, r->flights + i);
   for (size_t i = 0; i < n; i++) {
-    if (r->run.start[i].t != r->start) return SKF_ERR_ARG;
-    if (r->status[i] == SKF_ERR_CONVERGENCE && failure) *failure = (skf_run_failure){i, r->start};
-    if (r->status[i]) return r->status[i];
+    const skf_state *start = r->run.start + skf_team_particle(&r->team, i);
+    r->status[i] = skf_flight_new(r->world, &r->run.flight, start, r->flights + i);
+    r->failed_at[i] = r->start;
+    if (!r->status[i] && start->t != r->start) r->status[i] = SKF_ERR_ARG;
   }
-  return SKF_OK;
+  skf_run_failure where;
+  skf_status s = verdict(r, SKF_OK, &where);
+  if (s == SKF_ERR_CONVERGENCE && failure) *failure = where;
+  return s;
 }
 
 static bool allocate(skf_runner *r) {
-  size_t n = r->run.count;
+  size_t n = r->mine, most = r->run.count / r->team.size + 1;
   r->flights = skf_alloc(n, sizeof *r->flights);
   r->waiting = skf_alloc(n, sizeof *r->waiting);
   r->status = skf_alloc(n, sizeof *r->status);
   r->failed_at = skf_alloc(n, sizeof *r->failed_at);
-  r->rows = skf_alloc(n * r->window, sizeof *r->rows);
+  r->rows = skf_alloc(r->width * r->window, sizeof *r->rows);
+  r->arrived = skf_alloc(r->team.size > 1 ? most : 0, sizeof *r->arrived);
   r->logs = skf_alloc((size_t)r->threads, sizeof *r->logs);
-  return r->flights && r->waiting && r->status && r->failed_at && r->rows && r->logs;
+  return r->flights && r->waiting && r->status && r->failed_at && r->rows && r->arrived && r->logs;
 }
 
 void skf_runner_free(skf_runner *r) {
   if (!r) return;
-  for (size_t i = 0; r->flights && i < r->run.count; i++) skf_flight_free(r->flights[i]);
+  for (size_t i = 0; r->flights && i < r->mine; i++) skf_flight_free(r->flights[i]);
   for (int t = 0; r->logs && t < r->threads; t++) skf_free(r->logs[t].entries);
   skf_free(r->flights);
   skf_free(r->waiting);
   skf_free(r->status);
   skf_free(r->failed_at);
   skf_free(r->rows);
+  skf_free(r->arrived);
   skf_free(r->logs);
   omp_destroy_lock(&r->watching);
   skf_free(r);
@@ -308,79 +254,23 @@ skf_status skf_runner_new(const skf_world *world, const skf_run *run, skf_runner
   *out = NULL;
   double start = run->count ? run->start[0].t : run->t_end;
   if (!isfinite(run->t_end) || run->t_end < start || !(run->every >= 0)) return SKF_ERR_ARG;
+  if (run->team && (run->team->rank >= run->team->size || !run->team->send || !run->team->receive)) return SKF_ERR_ARG;
+  const skf_team team = run->team ? *run->team : (skf_team){.size = 1};
   skf_runner *r = skf_alloc(1, sizeof *r);
-  if (!r) return SKF_ERR_NOMEM;
+  if (!r) return skf_team_agree(&team, SKF_ERR_NOMEM, NULL);
   omp_init_lock(&r->watching);
-  r->world = world, r->run = *run, r->start = start;
+  r->world = world, r->run = *run, r->start = start, r->team = team;
+  r->mine = skf_team_share(&r->team, r->team.rank, run->count);
+  r->width = r->team.rank ? r->mine : run->count;
   r->row_count = run->count ? count_rows(run, start) : 0;
   size_t most = run->count ? HELD / run->count + 1 : 1;
   r->window = r->row_count / WINDOWS + 1;
   if (r->window > most) r->window = most;
   r->threads = omp_get_max_threads();
-  skf_status s = allocate(r) ? launch(r, failure) : SKF_ERR_NOMEM;
+  skf_status s = skf_team_agree(&team, allocate(r) ? SKF_OK : SKF_ERR_NOMEM, NULL);
+  if (!s) s = launch(r, failure);
   if (s) return skf_runner_free(r), s;
   return *out = r, SKF_OK;
-}
-
-void skf_runner_reports(const skf_runner *r, skf_flight_report *reports) {
-  for (size_t i = 0; i < r->run.count; i++) reports[i] = skf_flight_get_report(r->flights[i]);
-}
-
-/* What a saved run begins with. */
-typedef struct place {
-  uint64_t count, row_count, window, first, state_size, contacts;
-} place;
-
-static place place_of(const skf_runner *r) {
-  size_t size = r->run.count ? skf_flight_state_size(r->flights[0]) : 0;
-  place p = {r->run.count, r->row_count, r->window, r->first, size, 0};
-  for (int t = 0; t < r->threads; t++) p.contacts += r->logs[t].count;
-  return p;
-}
-
-skf_status skf_runner_save(const skf_runner *r, skf_status (*write)(void *user, const void *bytes, size_t n),
-                           void *user) {
-  place p = place_of(r);
-  size_t n = r->run.count;
-  char *state = skf_alloc(p.state_size + 1, 1);
-  skf_status s = state ? write(user, &p, sizeof p) : SKF_ERR_NOMEM;
-  for (size_t i = 0; i < n && !s; i++) {
-    skf_flight_save(r->flights[i], state);
-    s = write(user, state, p.state_size);
-    if (!s) s = write(user, r->waiting + i, sizeof r->waiting[i]);
-    for (size_t k = 0; k < r->waiting[i].row && !s; k++) s = write(user, r->rows + k * n + i, sizeof *r->rows);
-  }
-  for (int t = 0; t < r->threads && !s; t++)
-    if (r->logs[t].count) s = write(user, r->logs[t].entries, r->logs[t].count * sizeof(log_entry));
-  skf_free(state);
-  return s;
-}
-
-skf_status skf_runner_load(skf_runner *r, skf_status (*read)(void *user, void *bytes, size_t n), void *user) {
-  place mine = place_of(r), p;
-  size_t n = r->run.count;
-  skf_status s = read(user, &p, sizeof p);
-  if (s) return s;
-  bool same = p.count == n && p.row_count == mine.row_count && p.window == mine.window;
-  if (!same || p.state_size != mine.state_size || p.first > p.row_count) return SKF_ERR_PARSE;
-  char *state = skf_alloc(p.state_size + 1, 1);
-  if (!state) return SKF_ERR_NOMEM;
-  r->first = p.first, r->flown = 0;
-  for (size_t i = 0; i < n && !s; i++) {
-    s = read(user, state, p.state_size);
-    if (!s) s = read(user, r->waiting + i, sizeof r->waiting[i]);
-    if (!s && r->waiting[i].row > rows_in_window(r)) s = SKF_ERR_PARSE;
-    if (!s) skf_flight_load(r->flights[i], state);
-    for (size_t k = 0; !s && k < r->waiting[i].row; k++, r->flown++)
-      s = read(user, r->rows + k * n + i, sizeof *r->rows);
-  }
-  for (uint64_t k = 0; k < p.contacts && !s; k++) {
-    log_entry e;
-    s = read(user, &e, sizeof e);
-    if (!s) s = keep(r->logs, &e.contact, e.sequence);
-  }
-  skf_free(state);
-  return s;
 }
 
 skf_status skf_run_all(const skf_world *world, const skf_run *run, const skf_run_sink *sink,
@@ -390,7 +280,10 @@ skf_status skf_run_all(const skf_world *world, const skf_run *run, const skf_run
   if (reports) memset(reports, 0, run->count * sizeof *reports);
   skf_status s = skf_runner_new(world, run, &r, failure);
   if (!s) s = skf_runner_fly(r, sink, progress, failure);
-  if (r && reports) skf_runner_reports(r, reports);
+  if (r && reports) {
+    skf_status told = skf_runner_reports(r, reports);
+    if (!s) s = told;
+  }
   skf_runner_free(r);
   return s;
 }

@@ -241,11 +241,26 @@ SKF_API skf_status skf_world_touch(const skf_world *world, const skf_ballistic *
 
 /* ---- Runs: many particles, rows of output ---- */
 
+/* Processes that share a run, each with the particles rank, rank + size, ...: results do not depend on how many there
+   are. All make the same calls with the same world, run and options in the same order; functions of runs are then
+   meetings of all, and every one returns the same status. The one of rank 0 alone has the sink, receives the others'
+   rows and contacts and writes and reads what is saved. A progress that asks to stop stops its own process, the others
+   at the end of their window unless theirs ask, too. Messages between two processes arrive in order; both functions
+   may wait, are called by one thread at a time, outside of parallel regions, and end the run by another status than
+   SKF_OK, which others may not learn of. */
+typedef struct skf_team {
+  size_t rank, size; /* rank < size */
+  skf_status (*send)(void *user, size_t to, const void *bytes, size_t n);
+  skf_status (*receive)(void *user, size_t from, void *bytes, size_t n);
+  void *user;
+} skf_team;
+
 typedef struct skf_run {
   size_t count;           /* particles */
   const skf_state *start; /* all at the same t */
   double t_end, every;    /* rows at start + k every, and at t_end; every 0: only the two ends */
   skf_flight_options flight;
+  const skf_team *team; /* NULL: this process alone; copied */
 } skf_run;
 
 /* Receives what a run makes, from one thread, in order of time; contacts of the same time by particle, and all contacts
@@ -278,10 +293,11 @@ SKF_API void skf_runner_free(skf_runner *runner);
 /* Goes on to the end. SKF_ERR_CANCELLED when the progress asks to stop: call it again to go on. */
 SKF_API skf_status skf_runner_fly(skf_runner *runner, const skf_run_sink *sink, const skf_progress *progress,
                                   skf_run_failure *failure);
-/* One report a particle. */
-SKF_API void skf_runner_reports(const skf_runner *runner, skf_flight_report *reports);
+/* One report a particle, for the process of rank 0; SKF_OK but for what the team returns. */
+SKF_API skf_status skf_runner_reports(const skf_runner *runner, skf_flight_report *reports);
 /* Everything that the rest of the run depends on, as bytes for the same build of the library, about 1.5 kB a particle;
-   what has been delivered is not among them. A status of `write` other than SKF_OK ends it. */
+   what has been delivered is not among them. A status of `write` other than SKF_OK ends it. A team may be of another
+   size when it loads them. */
 SKF_API skf_status skf_runner_save(const skf_runner *runner,
                                    skf_status (*write)(void *user, const void *bytes, size_t n), void *user);
 /* The same into a new runner of the same world and run; SKF_ERR_PARSE when they are of another one, and then, as after
