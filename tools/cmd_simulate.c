@@ -6,6 +6,7 @@
 #include "run_summary.h"
 #include "trajectory.h"
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -21,6 +22,9 @@ typedef struct simulate {
   skf_geo *geo; /* of the ground track */
   size_t track_body;
   run_place *places;
+  skf_quantities *quantities; /* where --invariants asks for them */
+  size_t frame;               /* rows and contacts are in the frame of this body, or SIZE_MAX: inertial */
+  skf_state *seen;            /* there */
   const trajectory_writer *writer;
   void *trajectory;
   cli_out contacts;
@@ -43,14 +47,31 @@ static skf_status take_row(void *user, double t, const skf_state *states) {
       p = (skf_place){NAN, NAN, NAN};
     s->places[i] = (run_place){degrees(p.latitude), degrees(p.longitude), p.height};
   }
+  for (size_t i = 0; s->quantities && i < s->table.scene->particle_count; i++)
+    s->quantities[i] = skf_world_quantities(s->world, states + i);
+  for (size_t i = 0; s->seen && i < s->table.scene->particle_count; i++)
+    s->seen[i] = skf_world_state_to_body(s->world, s->frame, states + i);
   s->sum.rows++;
   s->sum.t = t;
-  s->output_status = s->writer->row(s->trajectory, t, states, s->places);
+  s->output_status =
+      s->writer->row(s->trajectory, t, s->seen ? s->seen : states, &(run_more){s->places, s->quantities});
   return s->output_status == CLI_DONE ? SKF_OK : SKF_ERR_IO;
+}
+
+static skf_contact seen_contact(const simulate *s, const skf_contact *c) {
+  skf_contact in = *c;
+  skf_state before = {c->t, c->position, c->before}, after = {c->t, c->position, c->after};
+  before = skf_world_state_to_body(s->world, s->frame, &before);
+  in.position = before.position, in.before = before.velocity;
+  in.after = skf_world_state_to_body(s->world, s->frame, &after).velocity;
+  in.normal = skf_world_direction_to_body(s->world, s->frame, c->t, c->normal);
+  return in;
 }
 
 static skf_status take_contact(void *user, const skf_contact *c) {
   simulate *s = user;
+  skf_contact in;
+  if (s->seen) in = seen_contact(s, c), c = &in;
   s->sum.contacts++;
   if (s->log) contact_row(s->contacts.file, s->table.scene, c);
   if (s->writer->contact) s->output_status = s->writer->contact(s->trajectory, c);
@@ -100,10 +121,27 @@ static int check(const cli *c, const skf_scene *scene) {
   return CLI_DONE;
 }
 
+/* The frame of rows and contacts: that of the option, or the scene's. */
+static int choose_frame(simulate *s) {
+  const skf_scene *scene = s->table.scene;
+  const char *frame = cli_value(s->c, "frame");
+  s->table.turning = frame ? strcmp(frame, "body") == 0 : scene->simulation.turning;
+  if (frame && !s->table.turning && strcmp(frame, "inertial") != 0)
+    return cli_fail(CLI_BAD, "--frame %s, expected inertial or body", frame);
+  if (!s->table.turning) return CLI_DONE;
+  if (!skf_scene_turning_body(scene, &s->frame))
+    return cli_fail(CLI_BAD, "--frame body, but the bodies of %s spin differently, expected inertial",
+                    s->table.scene_path);
+  if (s->frame == SIZE_MAX) return CLI_DONE; /* nothing turns: its frame is the inertial one */
+  s->seen = calloc(scene->particle_count, sizeof *s->seen);
+  return s->seen ? CLI_DONE : cli_fail(CLI_FAILED, "out of memory");
+}
+
 static int prepare(simulate *s) {
   const skf_scene *scene = s->table.scene;
   const char *body = cli_value(s->c, "ground-track");
-  int status = launch_world(scene, &s->world);
+  int status = choose_frame(s);
+  if (status == CLI_DONE) status = launch_world(scene, &s->world);
   if (status == CLI_DONE) status = launch_starts(scene, s->table.scene_path, s->world, &s->starts);
   if (status == CLI_DONE && body) {
     int b = cli_body(scene, body);
@@ -113,8 +151,10 @@ static int prepare(simulate *s) {
     s->places = calloc(scene->particle_count, sizeof *s->places);
     if (!s->places) return cli_fail(CLI_FAILED, "out of memory");
   }
+  s->table.invariants = cli_given(s->c, "invariants");
+  if (s->table.invariants) s->quantities = calloc(scene->particle_count, sizeof *s->quantities);
   s->reports = calloc(scene->particle_count, sizeof *s->reports);
-  return s->reports ? status : cli_fail(CLI_FAILED, "out of memory");
+  return s->reports && (s->quantities || !s->table.invariants) ? status : cli_fail(CLI_FAILED, "out of memory");
 }
 
 static int open_outputs(simulate *s) {
@@ -274,6 +314,8 @@ static int run_with(const cli *c, const skf_scene *scene) {
   free(s.starts);
   free(s.reports);
   free(s.places);
+  free(s.quantities);
+  free(s.seen);
   return status;
 }
 
@@ -289,6 +331,8 @@ static const cli_option options[] = {
     {'o', "output", "FILE", "the trajectory, .csv or .h5 (default: CSV on stdout)"},
     {'c', "contacts", "FILE", "the contact log, CSV"},
     {'g', "ground-track", "BODY", "add lat, lon [deg] and height over this body's ellipsoid, in its turning frame"},
+    {'i', "invariants", NULL, "add energy, Jacobi constant and angular momentum of each particle to each row"},
+    {'f', "frame", "FRAME", "of rows and contacts: inertial, or body, which turns (default: the scene's, inertial)"},
     {'b', "bodies", "FILE", "rows of the bodies that move, CSV (default: stdout)"},
     {'k', "checkpoint", "FILE", "keep the run's state there (and rows in FILE.journal), now and then and on Ctrl-C"},
     {'s', "every-seconds", "S", "between two checkpoints (default: 60)"},
@@ -306,6 +350,18 @@ const cli_command cmd_simulate = {
     "in:  a scene with particles, or bodies that have `motion`, and a simulation\n"
     "out: t,particle,x,y,z,vx,vy,vz at t = 0, output_every, ..., t_end, by time, then particle; inertial frame.\n"
     "     HDF5: t (T), position and velocity (T, N, 3), place (T, N, 3), particles, bodies, contacts, scene\n"
+    "invariants: energy,jacobi,lx,ly,lz,l_axis (HDF5: invariants, (T, N, 6)), per unit mass, constant or not: kinetic "
+    "+\n"
+    "     potential energy (of bodies and pushes); that less spin . angular momentum, where all bodies spin alike; "
+    "the\n"
+    "     angular momentum about a point of the axis of symmetry, else of spin, else the origin; its part along the "
+    "axis\n"
+    "     of symmetry. nan where there is none. The summary tells those that are constant with their drift, and warns "
+    "of\n"
+    "     one beyond steps * tolerance + 64 eps sqrt(steps + 1) relative to kinetic + |potential| energy (momentum: "
+    "to\n"
+    "     |r| |v|)\n"
+    "frame: in that of the body that spins, velocities are relative to it; times and invariants are the same\n"
     "contacts: t,particle,body,x,y,z,nx,ny,nz,vx,vy,vz,outcome: the first point where a path enters a body, the\n"
     "     outward normal, the velocity just before, and what follows:\n"
     "     stop    stays at that point of the inertial frame with velocity 0; rows go on\n"

@@ -9,20 +9,37 @@
 typedef struct trajectory_table {
   const skf_scene *scene;
   const char *scene_path;
-  bool track; /* rows carry latitude, longitude [deg] and height [L] over a body */
+  bool track;      /* rows carry latitude, longitude [deg] and height [L] over a body */
+  bool invariants; /* rows carry skf_quantities */
+  bool turning;    /* everything is in the frame of the body that spins */
 } trajectory_table;
 
 typedef struct run_place {
   double latitude, longitude, height; /* degrees */
 } run_place;
 
+/* What a row carries besides states, one a particle; NULL: not asked for. */
+typedef struct run_more {
+  const run_place *places;
+  const skf_quantities *quantities;
+} run_more;
+
+/* The columns of skf_quantities, and their numbers. */
+enum { RUN_QUANTITIES = 6 };
+#define RUN_QUANTITY_NAMES "energy,jacobi,lx,ly,lz,l_axis"
+static inline void run_quantities(const skf_quantities *q, double out[RUN_QUANTITIES]) {
+  skf_vec3 L = q->angular_momentum;
+  const double all[RUN_QUANTITIES] = {q->energy, q->jacobi, L.x, L.y, L.z, q->axial_momentum};
+  for (int k = 0; k < RUN_QUANTITIES; k++) out[k] = all[k];
+}
+
 typedef struct trajectory_writer {
   /* Each returns CLI_DONE, or another status after the message. path NULL or "-" is stdout. */
   int (*open)(void **self, const char *path, const trajectory_table *table);
-  int (*row)(void *self, double t, const skf_state *states, const run_place *places); /* of all particles */
-  int (*contact)(void *self, const skf_contact *contact);                             /* NULL: keeps none */
-  int (*commit)(void *self);                                                          /* frees self */
-  void (*abort)(void *self);                                                          /* frees self */
+  int (*row)(void *self, double t, const skf_state *states, const run_more *more); /* of all particles */
+  int (*contact)(void *self, const skf_contact *contact);                          /* NULL: keeps none */
+  int (*commit)(void *self);                                                       /* frees self */
+  void (*abort)(void *self);                                                       /* frees self */
 } trajectory_writer;
 
 extern const trajectory_writer trajectory_writer_csv;

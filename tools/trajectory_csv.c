@@ -24,11 +24,22 @@ static int open_csv(void **self, const char *path, const trajectory_table *table
   int status = cli_out_open(&w->out, path);
   if (status != CLI_DONE) return free(w), status;
   w->table = table;
-  fprintf(w->out.file, "t,particle,x,y,z,vx,vy,vz%s\n", table->track ? ",lat,lon,height" : "");
+  fprintf(w->out.file, "t,particle,x,y,z,vx,vy,vz%s%s\n", table->track ? ",lat,lon,height" : "",
+          table->invariants ? "," RUN_QUANTITY_NAMES : "");
   return *self = w, CLI_DONE;
 }
 
-static int row_csv(void *self, double t, const skf_state *states, const run_place *places) {
+static void put_quantities(FILE *f, const skf_quantities *q) {
+  double x[RUN_QUANTITIES];
+  run_quantities(q, x);
+  for (int k = 0; k < RUN_QUANTITIES; k++) {
+    putc(',', f);
+    cli_put(f, x[k]);
+  }
+}
+
+static int row_csv(void *self, double t, const skf_state *states, const run_more *more) {
+  const run_place *places = more->places;
   run_csv *w = self;
   FILE *f = w->out.file;
   const skf_scene *scene = w->table->scene;
@@ -40,6 +51,7 @@ static int row_csv(void *self, double t, const skf_state *states, const run_plac
     put_vector(f, states[i].position);
     put_vector(f, states[i].velocity);
     if (places) put_vector(f, (skf_vec3){places[i].latitude, places[i].longitude, places[i].height});
+    if (more->quantities) put_quantities(f, more->quantities + i);
     putc('\n', f);
   }
   return ferror(f) ? CLI_FAILED : CLI_DONE; /* the commit tells why */

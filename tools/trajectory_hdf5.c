@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Trajectories as HDF5: t (T), position and velocity (T, N, 3), place (T, N, 3) on request, particles, bodies,
-   contacts, and the scene and version as attributes. No wall time: the same run gives the same data. */
+/* Trajectories as HDF5: t (T), position and velocity (T, N, 3), on request place (T, N, 3) and invariants (T, N, 6),
+   particles, bodies, contacts, and the scene and version as attributes. No wall time: the same run gives the same data.
+ */
 #include "trajectory.h"
 #include <stdlib.h>
 #include <string.h>
 
 #include <hdf5.h>
 
-enum { SERIES = 4 }; /* t, position, velocity, place */
+enum { TIME, POSITION, VELOCITY, PLACE, INVARIANTS, SERIES };
 /* A chunk holds about this many numbers: 8000 doubles are 64 kB. */
 #define CHUNK 8000
 
@@ -24,7 +25,7 @@ typedef struct run_hdf5 {
   const trajectory_table *table;
   hid_t file, series[SERIES], contacts, contact_type;
   hsize_t rows, contact_count;
-  double *buffer; /* 3 N */
+  double *buffer; /* 6 N */
   bool failed;
 } run_hdf5;
 
@@ -149,6 +150,7 @@ static bool describe(run_hdf5 *w) {
   size_t length;
   char *text = slurp(w->table->scene_path, &length);
   bool ok = text_attribute(w->file, "program", "skelfield") && text_attribute(w->file, "version", skf_version());
+  ok = ok && text_attribute(w->file, "frame", w->table->turning ? "body" : "inertial");
   if (text && length > 0) ok = ok && text_data(w->file, "scene", text, length);
   free(text);
   ok = ok && names(w, "particles", w->table->scene->particle_count, particle_name);
@@ -156,14 +158,16 @@ static bool describe(run_hdf5 *w) {
 }
 
 static bool lay_out(run_hdf5 *w) {
-  static const char *const name[SERIES] = {"t", "position", "velocity", "place"};
-  hsize_t shape[2] = {w->table->scene->particle_count, 3};
+  static const char *const name[SERIES] = {"t", "position", "velocity", "place", "invariants"};
+  hsize_t n = w->table->scene->particle_count;
   bool ok = true;
   for (int k = 0; k < SERIES; k++) {
-    if (k == 3 && !w->table->track) continue;
-    w->series[k] = growing(w->file, name[k], H5T_NATIVE_DOUBLE, k ? 3 : 1, shape, k ? 3 * shape[0] : 1);
+    if ((k == PLACE && !w->table->track) || (k == INVARIANTS && !w->table->invariants)) continue;
+    hsize_t shape[2] = {n, k == INVARIANTS ? RUN_QUANTITIES : 3};
+    w->series[k] = growing(w->file, name[k], H5T_NATIVE_DOUBLE, k ? 3 : 1, shape, k ? shape[0] * shape[1] : 1);
     ok = ok && w->series[k] >= 0;
   }
+  if (w->table->invariants) ok = ok && text_attribute(w->series[INVARIANTS], "columns", RUN_QUANTITY_NAMES);
   w->contact_type = contact_type();
   w->contacts = growing(w->file, "contacts", w->contact_type, 1, NULL, 16);
   return ok && w->contacts >= 0;
@@ -192,7 +196,7 @@ static void abort_hdf5(void *self) {
 
 static int open_hdf5(void **self, const char *path, const trajectory_table *table) {
   run_hdf5 *w = calloc(1, sizeof *w);
-  if (!w || !(w->buffer = calloc(3 * table->scene->particle_count + 1, sizeof(double))))
+  if (!w || !(w->buffer = calloc(RUN_QUANTITIES * table->scene->particle_count + 1, sizeof(double))))
     return free(w), cli_fail(CLI_FAILED, "out of memory");
   w->table = table;
   int status = cli_out_name(&w->out, path);
@@ -203,15 +207,21 @@ static int open_hdf5(void **self, const char *path, const trajectory_table *tabl
   return *self = w, CLI_DONE;
 }
 
-static int row_hdf5(void *self, double t, const skf_state *states, const run_place *places) {
+static int row_hdf5(void *self, double t, const skf_state *states, const run_more *more) {
   run_hdf5 *w = self;
-  hsize_t n = w->table->scene->particle_count, shape[2] = {n, 3};
-  bool ok = append(w->series[0], H5T_NATIVE_DOUBLE, 1, NULL, w->rows, &t);
-  for (int k = 1; k < SERIES && ok; k++) {
-    if (k == 3 && !places) continue;
+  const run_place *places = more->places;
+  hsize_t n = w->table->scene->particle_count;
+  bool ok = append(w->series[TIME], H5T_NATIVE_DOUBLE, 1, NULL, w->rows, &t);
+  for (int k = POSITION; k < SERIES && ok; k++) {
+    if ((k == PLACE && !places) || (k == INVARIANTS && !more->quantities)) continue;
+    hsize_t shape[2] = {n, k == INVARIANTS ? RUN_QUANTITIES : 3};
     for (size_t i = 0; i < n; i++) {
-      skf_vec3 v = k == 1 ? states[i].position : states[i].velocity;
-      if (k == 3) v = (skf_vec3){places[i].latitude, places[i].longitude, places[i].height};
+      if (k == INVARIANTS) {
+        run_quantities(more->quantities + i, w->buffer + RUN_QUANTITIES * i);
+        continue;
+      }
+      skf_vec3 v = k == POSITION ? states[i].position : states[i].velocity;
+      if (k == PLACE) v = (skf_vec3){places[i].latitude, places[i].longitude, places[i].height};
       memcpy(w->buffer + 3 * i, (double[3]){v.x, v.y, v.z}, 3 * sizeof(double));
     }
     ok = append(w->series[k], H5T_NATIVE_DOUBLE, 3, shape, w->rows, w->buffer);

@@ -217,7 +217,7 @@ static skf_status dense(void *work, skf_ode *ode, skf_path *path) {
   double h = w->done;
   for (int i = LAST + 1; i < STAGES; i++)
     if (!stage(w, ode, h, i)) return SKF_ERR_CONVERGENCE;
-  *path = (skf_path){.t0 = w->from.t, .h = h, .degree = DENSE, .x0 = w->from.x, .v0 = w->from.v};
+  *path = skf_path_begin(&w->from, h, DENSE);
   terms(w->v, h, v3_add(v3_sub(w->to.x, w->from.x), v3_sub(w->to.x_low, w->from.x_low)), path->x);
   terms(w->a, h, v3_add(v3_sub(w->to.v, w->from.v), v3_sub(w->to.v_low, w->from.v_low)), path->v);
   return SKF_OK;

@@ -234,8 +234,8 @@ static skf_status dense(void *work, skf_ode *ode, skf_path *path) {
   (void)ode;
   const gauss_radau *w = work;
   double h = w->done;
-  *path = (skf_path){.t0 = w->from.t, .h = h, .degree = TERMS + 2, .x0 = w->from.x, .v0 = w->from.v};
-  path->x[0] = v3_scale(h, w->from.v);
+  *path = skf_path_begin(&w->from, h, TERMS + 2);
+  path->x[0] = v3_scale(h, path->v0);
   path->x[1] = v3_scale(0.5 * h * h, w->from_a);
   path->v[0] = v3_scale(h, w->from_a);
   for (int k = 0; k < TERMS; k++) {

@@ -95,6 +95,13 @@ static inline bool skf_ode_feel(skf_ode *ode, skf_clock t, skf_vec3 x, skf_vec3 
    that have none of their own. */
 skf_status skf_path_between(skf_ode *ode, const skf_orbit *from, const skf_orbit *to, double h, skf_path *path);
 
+/* A path whose terms are still to come. The errors of the running sums belong to its start: in a long run they are many
+   roundings. */
+static inline skf_path skf_path_begin(const skf_orbit *from, double h, int degree) {
+  return (skf_path){
+      .t0 = from->t, .h = h, .degree = degree, .x0 = v3_add(from->x, from->x_low), .v0 = v3_add(from->v, from->v_low)};
+}
+
 /* A step has been taken from `from` to *to. */
 static inline void skf_lane_count(skf_lane *lane, skf_clock from, const skf_orbit *to) {
   double h = clock_since(to->t.hi, from) + to->t.lo;

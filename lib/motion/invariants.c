@@ -87,18 +87,42 @@ void skf_world_find_symmetry(skf_world *w) {
   if (w->axial) w->axis = s.axis, w->about = s.about;
 }
 
-skf_invariants skf_world_invariants_at(const skf_world *w, skf_clock t, skf_vec3 p, skf_vec3 v) {
+static skf_vec3 origin_of(const skf_world *w) {
+  if (w->axial) return w->about;
+  for (size_t i = 0; i < w->n; i++)
+    if (w->bodies[i].rate != 0) return w->bodies[i].is.spin.about;
+  return v3(0, 0, 0);
+}
+
+/* *scale: kinetic + |potential|. */
+static skf_quantities quantities(const skf_world *w, skf_clock t, skf_vec3 p, skf_vec3 v, double *scale) {
   double magnitude, u = skf_world_potential(w, t, p, &magnitude), kinetic = 0.5 * v3_norm2(v);
-  skf_invariants k = {NAN, NAN, NAN, kinetic + magnitude};
-  if (w->force_count) return k;
-  if (w->still || w->axial) k.energy = kinetic + u; /* a body that spins about its own symmetry axis does not move */
-  if (w->alike && !w->still) {
+  skf_quantities q = {kinetic + u, NAN, v3_cross(v3_sub(p, origin_of(w)), v), NAN};
+  for (size_t i = 0; i < w->force_count; i++)
+    if (w->forces[i].type == SKF_FORCE_PUSH) q.energy -= v3_dot(w->forces[i].push, p);
+  if (w->alike) {
     const skf_world_body *b = w->bodies;
-    skf_vec3 L = v3_cross(v3_sub(p, b->is.spin.about), v);
-    k.jacobi = kinetic + u - b->rate * v3_dot(b->axis, L);
+    double turning = w->n > 0 && b->rate != 0 ? b->rate * v3_dot(b->axis, v3_cross(v3_sub(p, b->is.spin.about), v)) : 0;
+    q.jacobi = q.energy - turning;
   }
-  if (w->axial) k.axial_momentum = v3_dot(w->axis, v3_cross(v3_sub(p, w->about), v));
+  if (w->axial) q.axial_momentum = v3_dot(w->axis, q.angular_momentum);
+  return *scale = kinetic + magnitude, q;
+}
+
+skf_invariants skf_world_invariants_at(const skf_world *w, skf_clock t, skf_vec3 p, skf_vec3 v) {
+  double scale;
+  skf_quantities q = quantities(w, t, p, v, &scale);
+  skf_invariants k = {NAN, NAN, NAN, scale};
+  if (w->force_count) return k;
+  if (w->still || w->axial) k.energy = q.energy; /* a body that spins about its own symmetry axis does not move */
+  if (!w->still) k.jacobi = q.jacobi;
+  k.axial_momentum = q.axial_momentum;
   return k;
+}
+
+skf_quantities skf_world_quantities(const skf_world *w, const skf_state *s) {
+  double scale;
+  return quantities(w, (skf_clock){s->t, 0}, s->position, s->velocity, &scale);
 }
 
 skf_invariants skf_world_invariants(const skf_world *w, const skf_state *s) {

@@ -97,7 +97,7 @@ static skf_status dense(void *work, skf_ode *ode, skf_path *path) {
     for (int c = 0; c < 3; c++)
       d[c][k][0] = v3_get(x, c), d[c][k][1] = v3_get(v, c), d[c][k][2] = 0.5 * h * h * v3_get(a, c);
   }
-  *path = (skf_path){.t0 = w->from.t, .h = h, .degree = TERMS - 1, .x0 = w->from.x};
+  *path = skf_path_begin(&w->from, h, TERMS - 1);
   for (int c = 0; c < 3; c++) {
     double power[TERMS];
     interpolate(d[c], power);

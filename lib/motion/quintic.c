@@ -10,7 +10,7 @@ skf_status skf_path_between(skf_ode *ode, const skf_orbit *from, const skf_orbit
   skf_vec3 b0 = v3_scale(0.5 * h * h, a0), b1 = v3_scale(0.5 * h * h, a1);
   /* what is left of the end's position, velocity and acceleration: powers 3 to 5 */
   skf_vec3 x = v3_sub(way, v3_add(v0, b0)), v = v3_sub(v1, v3_mad(v0, 2, b0)), b = v3_sub(b1, b0);
-  *path = (skf_path){.t0 = from->t, .h = h, .degree = 5, .x0 = from->x, .v0 = v3_add(from->v, from->v_low)};
+  *path = skf_path_begin(from, h, 5);
   path->x[0] = v0, path->x[1] = b0;
   path->x[2] = v3_add(v3_mad(v3_scale(10, x), -4, v), b);
   path->x[3] = v3_mad(v3_mad(v3_scale(-15, x), 7, v), -2, b);

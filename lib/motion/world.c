@@ -281,6 +281,25 @@ skf_vec3 skf_world_from_body(const skf_world *w, size_t body, double t, skf_vec3
   return skf_turn_point(&r, 1, p);
 }
 
+skf_state skf_world_state_to_body(const skf_world *w, size_t body, const skf_state *s) {
+  const skf_world_body *b = w->bodies + body;
+  skf_turn r = skf_turn_at(b, clock_of(s->t));
+  skf_vec3 relative = v3_sub(s->velocity, skf_body_velocity(b, s->position));
+  return (skf_state){s->t, skf_turn_point(&r, -1, s->position), skf_turn_vector(&r, -1, relative)};
+}
+
+skf_state skf_world_state_from_body(const skf_world *w, size_t body, const skf_state *s) {
+  const skf_world_body *b = w->bodies + body;
+  skf_turn r = skf_turn_at(b, clock_of(s->t));
+  skf_vec3 absolute = v3_add(s->velocity, skf_body_velocity(b, s->position)); /* the axis is the same in both frames */
+  return (skf_state){s->t, skf_turn_point(&r, 1, s->position), skf_turn_vector(&r, 1, absolute)};
+}
+
+skf_vec3 skf_world_direction_to_body(const skf_world *w, size_t body, double t, skf_vec3 v) {
+  skf_turn r = skf_turn_at(w->bodies + body, clock_of(t));
+  return skf_turn_vector(&r, -1, v);
+}
+
 skf_vec3 skf_world_surface_velocity(const skf_world *w, size_t body, skf_vec3 p) {
   return skf_body_velocity(w->bodies + body, p);
 }

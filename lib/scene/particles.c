@@ -2,6 +2,8 @@
 /* What moves among the bodies. */
 #include "scene/sources.h"
 #include "core/alloc.h"
+#include "core/vec3.h"
+#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -52,6 +54,7 @@ static skf_status read_launch(skf_reader *r, const skf_node *map, void *into) {
 typedef struct entry {
   skf_particle particle; /* first: the tables' offsets are its */
   skf_source source;
+  bool turning; /* velocities are relative to the turning frame */
 } entry;
 
 static skf_status read_file(skf_reader *r, const skf_node *node, void *into) {
@@ -74,11 +77,15 @@ static skf_status read_shell(skf_reader *r, const skf_node *map, void *into) {
 static skf_status read_maxwellian(skf_reader *r, const skf_node *map, void *into) {
   return skf_read_source(r, map, SKF_SOURCE_MAXWELLIAN, &((entry *)into)->source);
 }
+static skf_status read_frame(skf_reader *r, const skf_node *node, void *into) {
+  return skf_read_frame(r, node, &((entry *)into)->turning);
+}
 
 enum {
   KEY_NAME,
   KEY_POSITION,
   KEY_VELOCITY,
+  KEY_FRAME,
   KEY_LAUNCH,
   KEY_FILE,
   KEY_GRID,
@@ -93,6 +100,8 @@ static const skf_key particle_keys[KEYS] = {
      .offset = offsetof(skf_particle, name)},
     {"position", "L", "at t = 0, inertial frame", SKF_KEY_VECTOR, false, .offset = offsetof(skf_particle, position)},
     {"velocity", "L/T", "at t = 0, inertial frame", SKF_KEY_VECTOR, false, .offset = offsetof(skf_particle, velocity)},
+    {"frame", NULL, "of velocities: inertial, or that of the body that spins (default: inertial)", SKF_KEY_OTHER,
+     .read = read_frame, .form = "inertial or body"},
     {"launch", NULL, "instead of position and velocity", SKF_KEY_OTHER, .read = read_launch,
      .form = "{body, latitude, longitude, speed, ...}"},
     {"file", NULL, "many: CSV x,y,z,vx,vy,vz and, if it likes, name", SKF_KEY_OTHER, .read = read_file,
@@ -153,21 +162,43 @@ static skf_status add_one(skf_reader *r, const skf_particle *p) {
   return SKF_OK;
 }
 
+/* The velocities of the particles from `first` on become inertial. */
+static skf_status make_inertial(skf_reader *r, size_t first, long line) {
+  skf_scene *scene = r->scene;
+  size_t body;
+  skf_status s = skf_check_frame(r, line);
+  if (s || !skf_scene_turning_body(scene, &body) || body == SIZE_MAX) return s;
+  const skf_spin *spin = &scene->bodies[body].spin;
+  skf_vec3 omega = v3_scale(spin->rate, v3_unit(spin->axis));
+  for (size_t i = first; i < scene->particle_count && !s; i++) {
+    skf_particle *p = scene->particles + i;
+    p->velocity = v3_add(p->velocity, v3_cross(omega, v3_sub(p->position, spin->about)));
+    if (!v3_finite(p->velocity))
+      s = skf_error_set(r->error, SKF_ERR_RANGE, line, "velocity is too large, expected finite numbers");
+  }
+  return s;
+}
+
 static skf_status read_entry(skf_reader *r, const skf_node *map) {
   entry e = {.particle = {.line = map->line}};
+  size_t first = r->scene->particle_count;
   unsigned given;
   skf_status s = skf_read_map(r, map, &skf_section_particle, &e, &given);
   if (!s) s = check_ways(r, map, given);
+  if (!s && e.particle.launch.given && given >> KEY_FRAME & 1)
+    s = skf_error_set(r->error, SKF_ERR_PARSE, skf_map_line(r, map, "frame"),
+                      "both launch and frame, expected launch alone: its speed is relative to the ground");
   if (!s && e.particle.launch.given)
     s = find_body(r, skf_map_find(r, skf_map_find(r, map, "launch"), "body"), &e.particle.launch);
   if (!s && e.source.kind == SKF_SOURCE_NONE) {
     s = add_one(r, &e.particle);
-    if (!s) return s; /* the scene has its name */
+    if (!s) e.particle.name = NULL; /* the scene has it */
   } else if (!s && e.source.kind == SKF_SOURCE_FILE) {
     s = skf_add_starts(r, e.source.node, e.particle.name, map->line);
   } else if (!s) {
     s = skf_add_source(r, &e.source, e.particle.name, map->line);
   }
+  if (!s && e.turning) s = make_inertial(r, first, skf_map_line(r, map, "frame"));
   skf_free(e.particle.name);
   return s;
 }

@@ -90,6 +90,10 @@ skf_status skf_read_choice(skf_reader *r, const skf_node *node, const char *name
 skf_status skf_read_bodies(skf_reader *r, const skf_node *list, void *scene);
 /* Once every body is known: a start may need them. */
 skf_status skf_read_particles(skf_reader *r, const skf_node *list);
+/* "inertial" or "body" */
+skf_status skf_read_frame(skf_reader *r, const skf_node *node, bool *turning);
+/* Refuses a turning frame where there are several. */
+skf_status skf_check_frame(skf_reader *r, long line);
 skf_status skf_read_simulation(skf_reader *r, const skf_node *map, void *scene);
 /* Once bodies and simulation are known. */
 skf_status skf_read_forces(skf_reader *r, const skf_node *list);

@@ -138,6 +138,8 @@ static skf_status read_scene(skf_reader *r) {
   unsigned given;
   if ((s = skf_read_map(r, root, &skf_section_scene, r->scene, &given))) return s;
   r->scene->has_background = given >> KEY_BACKGROUND & 1;
+  const skf_node *simulation = skf_map_find(r, root, "simulation");
+  if (r->scene->simulation.turning && (s = skf_check_frame(r, skf_map_line(r, simulation, "frame")))) return s;
   const skf_node *forces = skf_map_find(r, root, "forces");
   if (forces && (s = skf_read_forces(r, forces))) return s;
   return given >> KEY_PARTICLES & 1 ? skf_read_particles(r, skf_map_find(r, root, "particles")) : SKF_OK;

@@ -3,6 +3,7 @@
 #include "scene/reader.h"
 #include "core/alloc.h"
 #include "core/vec3.h"
+#include <stdint.h>
 #include <stdlib.h>
 #include <stdio.h>
 #include <string.h>
@@ -25,6 +26,43 @@ static skf_status read_search(skf_reader *r, const skf_node *node, void *into) {
   skf_status s = skf_read_choice(r, node, "search", modes, 2, &mode);
   ((skf_simulation *)into)->search = (skf_search)mode;
   return s;
+}
+
+skf_status skf_read_frame(skf_reader *r, const skf_node *node, bool *turning) {
+  static const char *const frames[] = {"inertial", "body"};
+  int frame = 0;
+  skf_status s = skf_read_choice(r, node, "frame", frames, 2, &frame);
+  return *turning = frame == 1, s;
+}
+
+static skf_status read_frame(skf_reader *r, const skf_node *node, void *into) {
+  return skf_read_frame(r, node, &((skf_simulation *)into)->turning);
+}
+
+/* Whether two bodies turn as one. */
+static bool alike(const skf_spin *a, const skf_spin *b) {
+  const double same = 1e-14; /* the rounding of numbers in files */
+  skf_vec3 w = v3_scale(a->rate, v3_unit(a->axis)), d = v3_sub(b->about, a->about);
+  bool axis = v3_norm(v3_cross(d, v3_unit(a->axis))) <= same * (v3_norm(a->about) + v3_norm(b->about));
+  return axis && v3_dist(w, v3_scale(b->rate, v3_unit(b->axis))) <= same * v3_norm(w);
+}
+
+bool skf_scene_turning_body(const skf_scene *scene, size_t *body) {
+  *body = SIZE_MAX;
+  for (size_t i = 0; i < scene->body_count; i++) {
+    const skf_spin *spin = &scene->bodies[i].spin;
+    if (spin->rate == 0) continue;
+    if (*body != SIZE_MAX && !alike(&scene->bodies[*body].spin, spin)) return false;
+    if (*body == SIZE_MAX) *body = i;
+  }
+  return true;
+}
+
+skf_status skf_check_frame(skf_reader *r, long line) {
+  size_t body;
+  if (skf_scene_turning_body(r->scene, &body)) return SKF_OK;
+  return skf_error_set(r->error, SKF_ERR_PARSE, line,
+                       "frame is body, but bodies spin differently, expected frame: inertial");
 }
 
 static skf_status read_integrator(skf_reader *r, const skf_node *node, void *into) {
@@ -60,8 +98,10 @@ static const skf_key simulation_keys[] = {
      .offset = offsetof(skf_simulation, step), .range = &skf_positive},
     {"integrator", NULL, "by name (default: the best for the tolerance)", SKF_KEY_OTHER, .read = read_integrator,
      .form = "an integrator's name"},
+    {"frame", NULL, "of rows and contacts: inertial, or that of the body that spins (default: inertial)", SKF_KEY_OTHER,
+     .read = read_frame, .form = "inertial or body"},
 };
-const skf_section skf_section_simulation = {"simulation", "how the particles fly", simulation_keys, 9};
+const skf_section skf_section_simulation = {"simulation", "how the particles fly", simulation_keys, 10};
 
 skf_status skf_read_simulation(skf_reader *r, const skf_node *map, void *into) {
   skf_simulation *sim = &((skf_scene *)into)->simulation;

@@ -129,6 +129,13 @@ typedef struct skf_state {
   skf_vec3 position, velocity;
 } skf_state;
 
+/* A state as it is in the frame of a body, which turns: the velocity is relative to that frame; and back. To rounding
+   of the angle, which is taken from t to 1e-16 however many turns there have been. */
+SKF_API skf_state skf_world_state_to_body(const skf_world *world, size_t body, const skf_state *state);
+SKF_API skf_state skf_world_state_from_body(const skf_world *world, size_t body, const skf_state *state);
+/* A direction, inertial at time t, as it is in a body's frame. */
+SKF_API skf_vec3 skf_world_direction_to_body(const skf_world *world, size_t body, double t, skf_vec3 v);
+
 /* Constants of the motion that the world has; those that it has not are NAN. Per unit mass. */
 typedef struct skf_invariants {
   double energy;         /* kinetic + potential: nothing spins [L^2/T^2] */
@@ -137,6 +144,15 @@ typedef struct skf_invariants {
   double scale;          /* kinetic + |potential|: what an error of energy is relative to */
 } skf_invariants;
 SKF_API skf_invariants skf_world_invariants(const skf_world *world, const skf_state *state);
+
+/* The same quantities of a motion, constant or not, per unit mass. */
+typedef struct skf_quantities {
+  double energy;             /* kinetic + potential, that of pushes included [L^2/T^2] */
+  double jacobi;             /* energy - omega . angular momentum about the axis; NAN unless all bodies spin alike */
+  skf_vec3 angular_momentum; /* about a point of the axis of symmetry, else of the axis of spin, else the origin */
+  double axial_momentum;     /* its component along the axis of symmetry; NAN when there is none [L^2/T] */
+} skf_quantities;
+SKF_API skf_quantities skf_world_quantities(const skf_world *world, const skf_state *state);
 
 /* ---- Flights: one particle ---- */
 

@@ -73,6 +73,7 @@ typedef struct skf_simulation {
   double restitution, friction;
   skf_search search;
   char integrator[32]; /* name in the integrators' registry; empty: default */
+  bool turning;        /* rows and contacts in the frame of the body that spins, see skf_scene_turning_body */
 } skf_simulation;
 
 /* A picture that textures refer to. The scene knows its name alone; who reads it puts the pixels here, and frees them.
@@ -123,6 +124,10 @@ SKF_API skf_status skf_scene_read_with(const char *path, const skf_scene_hooks *
 SKF_API skf_status skf_scene_parse_with(const char *text, size_t length, const char *folder,
                                         const skf_scene_hooks *hooks, skf_scene **out, skf_error *error);
 SKF_API void skf_scene_free(skf_scene *scene);
+
+/* Index of the first body that spins, SIZE_MAX when none does; false when several spin differently: then there is no
+   turning frame that one could mean. */
+SKF_API bool skf_scene_turning_body(const skf_scene *scene, size_t *body);
 
 #ifdef __cplusplus
 }

@@ -117,4 +117,44 @@ sed 's/k: 2/k: 2, acceleration: [1, 0, 0]/' drag.yaml >both.yaml
 run simulate both.yaml
 expect_refused "a drag that pushes" "both.yaml:14: unexpected 'acceleration' in a drag, expected k"
 
+# Constants of the motion as columns, and the frame that turns with the body.
+sed -e 's/contact: [a-z]*//' -e 's/tolerance:/contact: none, tolerance:/' -e 's/velocity: \[0, 0, 0\]/velocity: [0.1, 0.9, 0.3]/' \
+  fall.yaml >turn.yaml
+run simulate turn.yaml --invariants -o turn.csv
+cp turn.csv "$kept/out"
+expect_out "columns of invariants" '^t,particle,x,y,z,vx,vy,vz,energy,jacobi,lx,ly,lz,l_axis$'
+expect_close "energy at the start" "$(field 2 9)" -0.545 1e-15
+expect_close "and at the end" "$(field 8 9)" -0.545 1e-14
+expect_close "Jacobi's constant" "$(field 2 10)" -0.995 1e-15
+expect_close "angular momentum" "$(field 2 12)" -0.3 1e-15
+expect_close "about the axis" "$(field 2 14)" 0.9 1e-15
+cut -d, -f1-8 turn.csv >first.csv
+run simulate turn.yaml
+expect_same "the other columns are the same" out first.csv
+run simulate turn.yaml --frame body --invariants -o body.csv
+cp body.csv "$kept/out"
+expect_close "the velocity relative to the frame" "$(field 2 7)" 0.4 1e-15
+cut -d, -f1,2,9- turn.csv >left.csv
+cut -d, -f1,2,9- body.csv >right.csv
+expect_same "invariants do not depend on the frame of the rows" left.csv right.csv
+awk -F, 'NR == FNR { x[FNR] = $3; y[FNR] = $4; u[FNR] = $6; v[FNR] = $7; next }
+  FNR > 1 { c = cos(0.5 * $1); s = sin(0.5 * $1); a = $6 - 0.5 * $4; b = $7 + 0.5 * $3
+    print c * $3 - s * $4 - x[FNR], s * $3 + c * $4 - y[FNR], c * a - s * b - u[FNR], s * a + c * b - v[FNR] }' \
+  turn.csv body.csv | tr ' ' '\n' | awk '{ d = $1 < 0 ? -$1 : $1; if (d > most) most = d } END { exit !(NR == 32 && most < 1e-14) }'
+expect_close "turned back they are the rows of the inertial frame" $? 0 0
+sed 's/tolerance:/frame: body, tolerance:/; s/velocity: \[0.1, 0.9, 0.3\]/velocity: [0.1, 0.4, 0.3], frame: body/' turn.yaml >key.yaml
+run simulate key.yaml --invariants
+expect_same "frames in the scene say the same" out body.csv
+run simulate key.yaml --invariants --frame inertial
+expect_same "the option overrides them" out turn.csv
+run simulate fall.yaml --frame body --contacts hits.csv -o run.csv
+cp hits.csv "$kept/out"
+expect_close "contacts are in the frame, too" "$(field 2 4)" "$(awk 'BEGIN { t = (atan2(0, -1) / 4 + 0.5) * sqrt(0.5); printf "%.17g", 0.5 * cos(0.5 * t) }')" 1e-12
+run simulate turn.yaml --frame turning
+expect_refused "an unknown frame" "--frame turning, expected inertial or body"
+if has hdf5; then
+  run simulate turn.yaml --invariants --frame body -o turn.h5
+  expect_status "both in HDF5" 0
+fi
+
 tap_done

@@ -252,6 +252,86 @@ static void saved_flights_continue(void **state) {
   skf_field_free(field);
 }
 
+/* Energy, momentum and the Jacobi constant by their definitions, where they are constant and where they are not. */
+static void quantities_are_what_they_are_called(void **state) {
+  (void)state;
+  const skf_state at = {3, {1.5, 0.3, -0.2}, {0.1, 0.8, 0.4}};
+  const skf_vec3 about = {0.25, -0.5, 0}, push = {0.5, -1, 2};
+  skf_element e[2];
+  skf_field *field = field_of(e, cross(e));
+  for (int k = 0; k < 2; k++) { /* with a push or without */
+    skf_attractor body = {field, 1e3, 0.25, {{0, 0, 2}, about, 0.6}};
+    skf_force force = {.type = SKF_FORCE_PUSH, .push = push};
+    skf_world *w;
+    assert_int_equal(skf_world_new_with(&body, 1, &force, (size_t)k, &w), SKF_OK);
+    skf_quantities q = skf_world_quantities(w, &at);
+    double energy = 0.5 * v3_norm2(at.velocity) + skf_world_at(w, at.t, at.position, NULL);
+    skf_vec3 L = v3_cross(v3_sub(at.position, about), at.velocity);
+    if (k) energy -= v3_dot(push, at.position);
+    check_close(q.energy, energy, 1e-15);
+    check_close(q.jacobi, energy - 0.6 * L.z, 1e-15);
+    check_close(v3_dist(q.angular_momentum, L), 0, 0);
+    assert_true(isnan(q.axial_momentum)); /* a cross is not symmetric about its axis */
+    skf_invariants c = skf_world_invariants(w, &at);
+    assert_true(k ? isnan(c.jacobi) : c.jacobi == q.jacobi);
+    assert_true(isnan(c.energy));
+    skf_world_free(w);
+  }
+  skf_field_free(field);
+}
+
+/* To the turning frame and back, at any time of a thousand revolutions; what stays in a body stands still there. */
+static void frames_round_trip(void **state) {
+  (void)state;
+  skf_element e[2];
+  skf_field *field;
+  const skf_vec3 about = {0.3, -0.2, 0.1}, axis = {1, 2, 2};
+  skf_world *w = single(e, cross(e), 1e3, 1, (skf_spin){axis, about, 0.37}, &field);
+  for (int k = 0; k <= 1000; k++) {
+    skf_state s = {(k + 0.123 * k / 1000) * TAU / 0.37, {2.5, -1, 0.7}, {0.3, 0.6, -0.4}};
+    skf_state in = skf_world_state_to_body(w, 0, &s), out = skf_world_state_from_body(w, 0, &in);
+    check_scaled(v3_dist(out.position, s.position), 0, v3_norm(s.position), 4e-16);
+    check_scaled(v3_dist(out.velocity, s.velocity), 0, v3_norm(s.velocity), 1e-15);
+    skf_vec3 ground = skf_world_surface_velocity(w, 0, s.position);
+    skf_state rider = {s.t, s.position, ground};
+    check_scaled(v3_norm(skf_world_state_to_body(w, 0, &rider).velocity), 0, v3_norm(ground), 1e-15);
+    check_scaled(v3_dist(in.position, skf_world_to_body(w, 0, s.t, s.position)), 0, 1, 0);
+    /* the velocity is the derivative of the position: a particle without forces, by central differences */
+    double h = 3e-4, u = v3_norm(s.velocity);
+    skf_vec3 a = skf_world_to_body(w, 0, s.t - h, v3_mad(s.position, -h, s.velocity));
+    skf_vec3 b = skf_world_to_body(w, 0, s.t + h, v3_mad(s.position, h, s.velocity));
+    check_scaled(v3_dist(v3_scale(0.5 / h, v3_sub(b, a)), in.velocity), 0, u, 1e-7);
+  }
+  skf_world_free(w);
+  skf_field_free(field);
+}
+
+/* A particle around a spinning cross for a thousand revolutions of it: its states in the turning frame, put back, are
+   those of the inertial one, and Jacobi's constant is the turning frame's energy, v^2 / 2 + U - (omega r)^2 / 2. */
+static void turning_frames_keep_jacobi(void **state) {
+  (void)state;
+  skf_element e[2];
+  skf_field *field;
+  const double omega = 0.6;
+  skf_world *w = single(e, cross(e), 1e3, 1.0 / 6, (skf_spin){{0, 0, 1}, {0, 0, 0}, omega}, &field);
+  skf_flight *f = fly(w, (skf_flight_options){.tolerance = 1e-13}, (skf_state){0, {6, 0, 0.5}, {0, 0.4, 0.05}});
+  double first = NAN;
+  for (int k = 0; k <= 100; k++) {
+    skf_state s = state_at(f, k * 10 * TAU / omega, NULL, NULL), in = skf_world_state_to_body(w, 0, &s);
+    skf_state back = skf_world_state_from_body(w, 0, &in);
+    check_scaled(v3_dist(back.position, s.position), 0, v3_norm(s.position), 1e-15);
+    check_scaled(v3_dist(back.velocity, s.velocity), 0, omega * v3_norm(s.position), 1e-15);
+    double r2 = in.position.x * in.position.x + in.position.y * in.position.y;
+    double u = skf_world_at(w, 0, in.position, NULL); /* at t = 0 the frames are one */
+    double jacobi = 0.5 * v3_norm2(in.velocity) + u - 0.5 * omega * omega * r2;
+    if (k == 0) first = jacobi;
+    check_scaled(jacobi, first, 0.5 * omega * omega * r2, 2e-15);
+  }
+  skf_flight_free(f);
+  skf_world_free(w);
+  skf_field_free(field);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(donut_keeps_its_invariants),
@@ -263,6 +343,9 @@ int main(void) {
       cmocka_unit_test(scale_does_not_matter),
       cmocka_unit_test(bad_flights_are_refused),
       cmocka_unit_test(saved_flights_continue),
+      cmocka_unit_test(quantities_are_what_they_are_called),
+      cmocka_unit_test(frames_round_trip),
+      cmocka_unit_test(turning_frames_keep_jacobi),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
