@@ -12,12 +12,13 @@ SKF_INLINE skf_v3d points_load(const float *const p[3], size_t i) {
 /* The lanes that are not good, by the closed form in doubles */
 static inline void lanes_closed(const skf_prepared *e, const skf_v3d *x, skf_vvalue *v) {
   for (int i = 0; i < SKF_LANES; i++) {
-    skf_value c = {.F = 0};
     if (v->good[i]) continue;
+    skf_value c = {.F = 0}; /* not before: it takes longer than a vector */
     skf_element_value(e, v3(x->x[i], x->y[i], x->z[i]), 1, &c);
-    bool finite = c.F - c.F == 0;
-    v->F[i] = (float)c.F;
-    v->g.x[i] = finite ? (float)c.g.x : 0, v->g.y[i] = finite ? (float)c.g.y : 0, v->g.z[i] = finite ? (float)c.g.z : 0;
+    double s = skf_batch_inner(e);
+    c.g = c.F - c.F == 0 ? v3_scale(s, c.g) : v3(0, 0, 0);
+    v->F[i] = (float)(s * c.F);
+    v->g.x[i] = (float)c.g.x, v->g.y[i] = (float)c.g.y, v->g.z[i] = (float)c.g.z;
   }
 }
 
@@ -78,7 +79,7 @@ static void batch_scale(size_t n, float scale, const float *F, const float *v, f
     }                                                                                                                  \
   }
 
-#define SKF_BATCH_PAIRS(name)                                                                                          \
+#define SKF_BATCH_PAIRS(name, inner)                                                                                   \
   SKF_F32_KEEP(name)                                                                                                   \
   SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, skf_vd strength, size_t n,         \
                              const float *const p[3], float *const sum[4]) {                                           \

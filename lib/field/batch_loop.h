@@ -93,10 +93,14 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
 #define skf_again_none(row, x) ((skf_vvalue){.good = vi_set(0)})
 
 /* A form that is one function. */
-#define SKF_BATCH_FORM(name, row_name, again)                                                                          \
+#define SKF_BATCH_FORM(name, row_name, again) SKF_BATCH_FORM_OF(name, row_name, again, false)
+/* Another whose row has the strength in it: see skf_batch_inner */
+#define SKF_BATCH_POINT(name, row_name, again) SKF_BATCH_FORM_OF(name, row_name, again, true)
+
+#define SKF_BATCH_FORM_OF(name, row_name, again, inner)                                                                \
   SKF_INLINE skf_vvalue name##_value(const row_name##_row *row, skf_v3d x) { return name(row, x); }                    \
   SKF_BATCH_COMMON(name, row_name, again)                                                                              \
-  SKF_BATCH_PAIRS(name)
+  SKF_BATCH_PAIRS(name, inner)
 
 /* A form in stages, SKF_FLIGHT vectors in each before the next: NAME_begin, three, NAME_end. */
 #define SKF_BATCH_STAGED(name, row_name, again, one, two, three)                                                       \
@@ -133,17 +137,25 @@ SKF_INLINE skf_v3d points_load(const double *const p[3], size_t i) {
   return (skf_v3d){vd_load(p[0] + i), vd_load(p[1] + i), vd_load(p[2] + i)};
 }
 
-/* The lanes of v that are not good, by the closed form; v has no strength in it. Lane i sees element i * step. */
+/* The lanes of v that are not good, by the closed form. Lane i sees element i * step. */
 static inline void lanes_closed(const skf_prepared *const *e, size_t step, const skf_v3d *x, skf_vvalue *v) {
+  if (vi_all(v->good)) return;
   for (size_t i = 0; i < SKF_LANES; i++) {
-    skf_value c = {.F = 0};
     if (v->good[i]) continue;
+    skf_value c = {.F = 0}; /* not before: it takes longer than a vector */
     skf_element_value(e[i * step], v3(x->x[i], x->y[i], x->z[i]), 1, &c);
-    bool finite = c.F - c.F == 0;
-    v->F[i] = c.F, v->g.x[i] = finite ? c.g.x : 0, v->g.y[i] = finite ? c.g.y : 0, v->g.z[i] = finite ? c.g.z : 0;
+    double s = skf_batch_inner(e[i * step]);
+    c.g = c.F - c.F == 0 ? v3_scale(s, c.g) : v3(0, 0, 0);
+    v->F[i] = s * c.F, v->g.x[i] = c.g.x, v->g.y[i] = c.g.y, v->g.z[i] = c.g.z;
   }
 }
 
+SKF_INLINE void vv_put(const skf_vvalue *v, double *const out[4], size_t i) {
+  vd_store(out[0] + i, v->F);
+  vd_store(out[1] + i, v->g.x);
+  vd_store(out[2] + i, v->g.y);
+  vd_store(out[3] + i, v->g.z);
+}
 SKF_INLINE void vv_store(skf_vd strength, const skf_vvalue *v, double *const out[4], size_t i) {
   vd_store(out[0] + i, strength * v->F);
   vd_store(out[1] + i, strength * v->g.x);
@@ -294,7 +306,7 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
   }
 
 /* Two vectors at once */
-#define SKF_BATCH_PAIRS(name)                                                                                          \
+#define SKF_BATCH_PAIRS(name, inner)                                                                                   \
   /* The value of n = 1 or 2 vectors of points from i on */                                                            \
   SKF_INLINE void name##_pair(const skf_tile *tile, size_t j, const name##_row *row, const double *const p[3],         \
                               size_t i, size_t n, skf_vvalue *v) {                                                     \
@@ -312,7 +324,12 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     const skf_vd strength = vd_set(tile->column[0]);                                                                   \
     skf_vvalue v[2];                                                                                                   \
     name##_pair(tile, 0, row, p, i, n, v);                                                                             \
-    for (size_t k = 0; k < n; k++) vv_store(strength, v + k, out, i + k * SKF_LANES);                                  \
+    for (size_t k = 0; k < n; k++) {                                                                                   \
+      if (inner)                                                                                                       \
+        vv_put(v + k, out, i + k * SKF_LANES);                                                                         \
+      else                                                                                                             \
+        vv_store(strength, v + k, out, i + k * SKF_LANES);                                                             \
+    }                                                                                                                  \
   }                                                                                                                    \
   static void name##_one(const skf_tile *tile, size_t n, const double *const p[3], double *const out[4]) {             \
     double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \

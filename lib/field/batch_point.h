@@ -5,37 +5,40 @@
 
 #include "field/batch_loop.h"
 
+/* s or R, its square, 1 / both; the strength, and its product with s^2 or 1 / R^2 */
 typedef struct point_row {
   skf_v3d at;
-  skf_vd param, param2, per_param, per_param2; /* s or R, its square, 1 / both */
+  skf_vd param, param2, per_param, per_param2, strength, slope;
 } point_row;
 
 static double *point_pack(const skf_prepared *e, double *k) {
-  double param = e->kernel.param, param2 = param * param;
-  return pack1(pack1(pack1(pack1(pack3(k, e->primitive.point.at), param), param2), 1 / param), 1 / param2);
+  double param = e->kernel.param, param2 = param * param, strength = e->strength;
+  bool compact = skf_kernel_get(e->kernel.type)->compact;
+  k = pack1(pack1(pack1(pack1(pack3(k, e->primitive.point.at), param), param2), 1 / param), 1 / param2);
+  return pack1(pack1(k, strength), compact ? strength / param2 : strength * param2);
 }
 
-/* From d and w = |d|^2, h and twice its derivative by w. */
+/* From d and w = |d|^2, h and twice its derivative by w, the strength in both. */
 SKF_INLINE skf_vvalue point_result(skf_v3d d, skf_vd h, skf_vd slope, skf_vi good) {
   return (skf_vvalue){h, vd3_scale(slope, d), good};
 }
 
 SKF_INLINE skf_vvalue inverse_point(const point_row *c, skf_v3d x) {
-  skf_v3d d = vd3_sub(x, c->at);
-  skf_vd w = vd3_dot(d, d), h = vd_set(1) / vd_sqrt(w);
-  return point_result(d, h, -(h * h) * h, vd_sane(w));
+  skf_v3d d = vd3_sub(c->at, x);
+  skf_vd w = vd3_dot(d, d), h = vd_set(1) / vd_sqrt(w), F = c->strength * h;
+  return point_result(d, F, (h * h) * F, vd_sane(w));
 }
 
 SKF_INLINE skf_vvalue inverse_squared_point(const point_row *c, skf_v3d x) {
-  skf_v3d d = vd3_sub(x, c->at);
-  skf_vd w = vd3_dot(d, d), h = vd_set(1) / w;
-  return point_result(d, h, vd_set(-2) * h * h, vd_sane(w));
+  skf_v3d d = vd3_sub(c->at, x);
+  skf_vd w = vd3_dot(d, d), h = vd_set(1) / w, F = c->strength * h;
+  return point_result(d, F, (h + h) * F, vd_sane(w));
 }
 
 SKF_INLINE skf_vvalue cauchy_point(const point_row *c, skf_v3d x) {
   skf_v3d d = vd3_sub(x, c->at);
   skf_vd w = vd3_dot(d, d), y = vd_fma(c->param2, w, vd_set(1)), q = vd_set(1) / y, h = q * q;
-  return point_result(d, h, vd_set(-4) * c->param2 * (h * q), y < vd_set(SKF_PICK(1e70, 1e12)));
+  return point_result(d, c->strength * h, (vd_set(-4) * c->slope * q) * h, y < vd_set(SKF_PICK(1e70, 1e12)));
 }
 
 SKF_INLINE skf_vvalue gaussian_point(const point_row *c, skf_v3d x) {
@@ -43,7 +46,7 @@ SKF_INLINE skf_vvalue gaussian_point(const point_row *c, skf_v3d x) {
   skf_vd y = c->param2 * vd3_dot(d, d);
   skf_vi inside = y < vd_set(VD_EXP_MAX), beyond = (y > vd_set(VD_EXP_ZERO)) & (y < vd_set(INFINITY));
   skf_vd h = (skf_vd)((skf_vi)vd_exp(-vd_min(y, vd_set(VD_EXP_MAX))) & inside);
-  return point_result(d, h, vd_set(-2) * c->param2 * h, inside | beyond);
+  return point_result(d, c->strength * h, vd_set(-2) * c->slope * h, inside | beyond);
 }
 
 /* R^2 - |d|^2. Next to the rim the plain difference loses R^2 / q; there d and the squares are taken exactly, but for
@@ -63,19 +66,26 @@ SKF_INLINE skf_vd point_power(const point_row *c, skf_v3d x, skf_v3d d, skf_vd w
 
 /* h = m^2, or m^2 (5 + 4 m) / 9; m = q / R^2, and 0 beyond R */
 SKF_INLINE skf_vvalue quartic_of(const point_row *c, skf_v3d d, skf_vd m, skf_vi good) {
-  return point_result(d, m * m, vd_set(-4) * c->per_param2 * m, good);
+  return point_result(d, c->strength * m * m, vd_set(-4) * c->slope * m, good);
 }
 SKF_INLINE skf_vvalue soft_object_of(const point_row *c, skf_v3d d, skf_vd m, skf_vi good) {
-  skf_vd h = m * m * vd_fma(vd_set(4. / 9), m, vd_set(5. / 9));
-  return point_result(d, h, c->per_param2 * m * vd_fma(vd_set(-8. / 3), m, vd_set(-20. / 9)), good);
+  skf_vd h = m * m * vd_fma(vd_set(4. / 9) * c->strength, m, vd_set(5. / 9) * c->strength);
+  return point_result(d, h, m * vd_fma(vd_set(-8. / 3) * c->slope, m, vd_set(-20. / 9) * c->slope), good);
 }
 
-/* How near the rim the plain difference is not enough: it leaves some 5e-13 of h. */
-#define RIM SKF_PICK(0x1p-10, 0x1p-5)
+/* Whether the plain difference, m times a power of two near 1, is far enough from 0: at 2^-10 it leaves some 5e-13 of
+   h. In floats it always is. Without the sign this is a range of half the numbers: one bit after a subtraction. */
+SKF_INLINE skf_vi point_off_rim(skf_vd m) {
+#ifdef SKF_VEC_FLOAT
+  return m > vd_set(-INFINITY);
+#else
+  return ((skf_vi)m << 1) - ((skf_vi)vd_set(0x1p-10) << 1 ^ vi_sign_bit()) < vi_set(0);
+#endif
+}
 
 SKF_INLINE skf_vd point_plain(const point_row *c, skf_v3d d, skf_vi *good) {
   skf_vd w = vd3_dot(d, d), m = vd_fnma(w, c->per_param2, vd_set(1));
-  *good = (vd_abs(m) > vd_set(RIM)) & (w < vd_set(INFINITY));
+  *good = point_off_rim(m);
   return vd_max(m, vd_set(0));
 }
 SKF_INLINE skf_vd point_rim(const point_row *c, skf_v3d x, skf_v3d d, skf_vi *good) {
@@ -105,13 +115,13 @@ SKF_INLINE skf_vvalue metaball_of(const point_row *c, skf_v3d d, skf_vd w, skf_v
   skf_vi core = vd_set(9) * w <= R2;
   skf_vd per = c->per_param / vd_select(core, R2, r * (r + R)), m = q * r * per;
   skf_vd h = vd_select(core, vd_fnma(vd_set(3) * c->per_param2, w, vd_set(1)), vd_set(1.5) * m * m);
-  return point_result(d, h, vd_select(core, vd_set(-6) * c->per_param2, vd_set(-3) * c->per_param * q * per),
-                      good & (w < vd_set(INFINITY)));
+  skf_vd slope = vd_select(core, vd_set(-6) * c->per_param2, vd_set(-3) * c->per_param * q * per);
+  return point_result(d, c->strength * h, c->strength * slope, good & (w < vd_set(INFINITY)));
 }
 SKF_INLINE skf_vvalue metaball_point(const point_row *c, skf_v3d x) {
   skf_v3d d = vd3_sub(x, c->at);
   skf_vd w = vd3_dot(d, d), q = c->param2 - w;
-  return metaball_of(c, d, w, q, vd_abs(q) > vd_set(RIM) * c->param2);
+  return metaball_of(c, d, w, q, point_off_rim(q * c->per_param2));
 }
 SKF_INLINE skf_vvalue metaball_rim(const point_row *c, skf_v3d x) {
   skf_v3d d = vd3_sub(x, c->at);
@@ -121,12 +131,12 @@ SKF_INLINE skf_vvalue metaball_rim(const point_row *c, skf_v3d x) {
 
 typedef point_row inverse_point_row;
 typedef point_row inverse_squared_point_row;
-SKF_BATCH_FORM(inverse_point, point, skf_again_none)
-SKF_BATCH_FORM(inverse_squared_point, point, skf_again_none)
-SKF_BATCH_FORM(cauchy_point, point, skf_again_none)
-SKF_BATCH_FORM(gaussian_point, point, skf_again_none)
-SKF_BATCH_FORM(quartic_point, point, quartic_rim)
-SKF_BATCH_FORM(soft_object_point, point, soft_object_rim)
-SKF_BATCH_FORM(metaball_point, point, metaball_rim)
+SKF_BATCH_POINT(inverse_point, point, skf_again_none)
+SKF_BATCH_POINT(inverse_squared_point, point, skf_again_none)
+SKF_BATCH_POINT(cauchy_point, point, skf_again_none)
+SKF_BATCH_POINT(gaussian_point, point, skf_again_none)
+SKF_BATCH_POINT(quartic_point, point, quartic_rim)
+SKF_BATCH_POINT(soft_object_point, point, soft_object_rim)
+SKF_BATCH_POINT(metaball_point, point, metaball_rim)
 
 #endif
