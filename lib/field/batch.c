@@ -242,6 +242,15 @@ void skf_batch_at(const skf_batch *b, skf_vec3 p, bool exact, double out[4]) {
   }
 }
 
+/* One point in a field of one tile: that costs a call. */
+static void lone(const job *j) {
+  const skf_vec3 at = v3(j->p[0][0], j->p[1][0], j->p[2][0]);
+  double out[4];
+  j->batch->ops->form[j->batch->tile->form].lone(j->batch->tile, &at, out);
+  for (int k = 0; k < 4; k++)
+    if (j->out[k]) j->out[k][0] = out[k];
+}
+
 /* Few points: elements are the lanes. */
 static void few(const job *j, size_t n) {
   for (size_t i = 0; i < n; i++) {
@@ -254,6 +263,10 @@ static void few(const job *j, size_t n) {
 
 static void eval(const skf_batch *b, size_t n, const double *const p[3], double *F, double *const g[3]) {
   job j = {b, p, {F, g ? g[0] : NULL, g ? g[1] : NULL, g ? g[2] : NULL}};
+  if (n == 1 && b->tiles == 1 && b->tile->column) {
+    lone(&j);
+    return;
+  }
   void (*range)(const job *, size_t, size_t) = b->elements == 1 && b->tile->column ? one_range : sum_range;
   if (range == sum_range && n * b->tiles * SKF_TILE <= SKF_BATCH_PAD * b->elements) {
     few(&j, n);
