@@ -10,7 +10,7 @@ typedef struct worst {
 } worst;
 
 typedef struct total {
-  size_t steps, rejected, evaluations, grazing;
+  size_t steps, rejected, evaluations, grazing, joins;
   worst energy, jacobi, momentum;
 } total;
 
@@ -25,6 +25,7 @@ static total add(const skf_scene *scene, const skf_flight_report *r) {
     t.rejected += r[i].rejected;
     t.evaluations += r[i].evaluations;
     t.grazing += r[i].grazing;
+    t.joins += r[i].joins;
     take(&t.energy, r[i].energy_drift, i);
     take(&t.jacobi, r[i].jacobi_drift, i);
     take(&t.momentum, r[i].momentum_drift, i);
@@ -65,6 +66,7 @@ static void tell_json(const run_summary *sum, const skf_scene *scene, const tota
   json_integer(&j, "evaluations", (long)t->evaluations);
   json_integer(&j, "contacts", (long)sum->contacts);
   json_integer(&j, "grazing", (long)t->grazing);
+  json_integer(&j, "steps_over_joins", (long)t->joins);
   json_number(&j, "energy_drift", t->energy.drift);
   json_number(&j, "jacobi_drift", t->jacobi.drift);
   json_number(&j, "axial_momentum_drift", t->momentum.drift);
@@ -83,5 +85,10 @@ void run_summary_tell(const run_summary *sum, const skf_scene *scene, const skf_
   tell(scene, reports, "Jacobi constant", &t.jacobi);
   tell(scene, reports, "angular momentum about the axis", &t.momentum);
   if (t.grazing) cli_say("  %zu pieces of path graze a surface too closely to decide, taken as misses", t.grazing);
+  if (t.joins)
+    cli_say(
+        "skelfield: warning: %zu steps of one length pass over joins, where kernels end: there they are not of %s's "
+        "order",
+        t.joins, skf_integrator_find(sim->integrator)->name);
   if (json) tell_json(sum, scene, &t);
 }

@@ -28,6 +28,7 @@ struct skf_flight {
   const skf_world *world;
   skf_flight_options options;
   const skf_integrator_ops *ops;
+  bool blind; /* to joins, which there are: steps of one length pass over them */
   void *work;
   skf_ode ode;
   nearest *near; /* of each body, or NULL; kept by skf_flight_save, too */
@@ -43,6 +44,7 @@ struct skf_flight {
   int wedged;
   skf_invariants reference; /* since the last contact */
   double momentum_scale;
+  uint64_t zone; /* of a blind flight */
   skf_flight_report report;
 };
 
@@ -98,8 +100,16 @@ static void compare(const skf_flight *f, skf_vec3 x, skf_vec3 v, skf_clock t, sk
   r->momentum_drift = worse(r->momentum_drift, k.axial_momentum, a->axial_momentum, scale);
 }
 
+/* Whether a blind flight has passed a join since it was last asked. */
+static bool passes_join(skf_flight *f) {
+  uint64_t before = f->zone;
+  f->zone = skf_world_zone(f->world, f->orbit.t, v3_add(f->orbit.x, f->orbit.x_low));
+  return f->zone != before;
+}
+
 static skf_status restart(skf_flight *f) {
   take_reference(f);
+  if (f->blind) passes_join(f);
   return f->ops->begin(f->work, &f->ode, &f->orbit, first_step(f));
 }
 
@@ -124,6 +134,7 @@ skf_status skf_flight_new(const skf_world *world, const skf_flight_options *opti
   if (!f || !f->work || (o.approach && !f->near)) return skf_flight_free(f), SKF_ERR_NOMEM;
   for (size_t i = 0; i < world->n && f->near; i++) f->near[i].best.f = -INFINITY;
   f->world = world, f->options = o, f->ops = ops;
+  f->blind = !ops->info.adaptive && skf_world_has_joins(world);
   f->ode = (skf_ode){skf_world_force, skf_world_force_many, skf_world_jerk, world->dragged ? skf_world_drag : NULL,
                      world,           !world->still,        skf_isa_pick(), 0};
   f->orbit = (skf_orbit){.t = {start->t, 0}, .x = start->position, .v = start->velocity};
@@ -256,6 +267,7 @@ skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
   f->report.h_max = fmax(f->report.h_max, h);
   f->from = before.t;
   f->dense = false;
+  f->report.joins += f->blind && passes_join(f);
   if (f->options.contact == SKF_CONTACT_NONE && !f->near) return SKF_OK;
   s = know_path(f);
   if (s) return s;

@@ -5,6 +5,7 @@
 
 #include "skelfield/motion.h"
 #include "motion/clock.h"
+#include <stdint.h>
 
 typedef struct skf_world_body {
   skf_attractor is;
@@ -73,6 +74,10 @@ double skf_world_potential(const skf_world *world, skf_clock t, skf_vec3 p, doub
 skf_vec3 skf_body_velocity(const skf_world_body *b, skf_vec3 p);
 /* Longest distance that a particle at p may travel in one step without leaping over a field of finite support. */
 double skf_world_leap(const skf_world *world, skf_vec3 p);
+/* Whether some field has joins, and a number that differs between places (inertial) that lie on different sides of one:
+   within or beyond a kernel's end of the nearest and of the farthest point of a primitive. */
+bool skf_world_has_joins(const skf_world *world);
+uint64_t skf_world_zone(const skf_world *world, skf_clock t, skf_vec3 p);
 /* The symmetry of the whole world. */
 void skf_world_find_symmetry(skf_world *world);
 skf_invariants skf_world_invariants_at(const skf_world *world, skf_clock t, skf_vec3 p, skf_vec3 v);

@@ -169,6 +169,36 @@ static void finite_support_is_not_leapt_over(void **state) {
   }
 }
 
+/* Steps of one length count the joins that they pass: where a kernel ends about the nearest and about the farthest
+   point of a primitive, and a metaball's inner one; on a line that is hardly bent, past a body that turns or not. */
+static void fixed_steps_count_joins(void **state) {
+  (void)state;
+  const struct {
+    skf_kernel kernel;
+    bool segment;
+    size_t joins;
+  } cases[] = {{{SKF_QUARTIC, 0.5}, false, 2},   {{SKF_SOFT_OBJECT, 0.5}, false, 2}, {{SKF_METABALL, 0.6}, false, 4},
+               {{SKF_METABALL, 0.25}, false, 2}, {{SKF_QUARTIC, 0.5}, true, 4},      {{SKF_GAUSSIAN, 8}, false, 0},
+               {{SKF_CAUCHY, 8}, false, 0},      {{SKF_QUARTIC, 0.05}, false, 0}};
+  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+    for (int turns = 0; turns < 2; turns++) {
+      skf_element e = point_at(0, 0, 0, cases[k].kernel);
+      if (cases[k].segment) e = segment_of(v3(0, 0, -0.1), v3(0, 0, 0.2), cases[k].kernel, 1);
+      skf_field *field;
+      skf_world *w = single(&e, 1, 1e3, 1e-3, (skf_spin){{0, 0, 1}, {0, 0, 0}, turns}, &field);
+      for (size_t i = 0; i < skf_integrator_count(); i++) {
+        const skf_integrator_info *info = skf_integrator_get(i);
+        skf_flight *f = fly(w, (skf_flight_options){.integrator = info->name, .step = info->adaptive ? 0 : 0.015},
+                            (skf_state){0, {-1, 0.1, 0}, {1, 0, 0}});
+        state_at(f, 2, NULL, NULL);
+        assert_int_equal(skf_flight_get_report(f).joins, info->adaptive ? 0 : cases[k].joins);
+        skf_flight_free(f);
+      }
+      skf_world_free(w);
+      skf_field_free(field);
+    }
+}
+
 /* Scaling lengths by L and times by T = L^(3/2) changes nothing but the scale. */
 static void scale_does_not_matter(void **state) {
   (void)state;
@@ -340,6 +370,7 @@ int main(void) {
       cmocka_unit_test(jacobi_constant_holds),
       cmocka_unit_test(frames_agree),
       cmocka_unit_test(finite_support_is_not_leapt_over),
+      cmocka_unit_test(fixed_steps_count_joins),
       cmocka_unit_test(scale_does_not_matter),
       cmocka_unit_test(bad_flights_are_refused),
       cmocka_unit_test(saved_flights_continue),
