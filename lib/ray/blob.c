@@ -1,12 +1,67 @@
 /* SPDX-License-Identifier: MIT */
 #include "ray/blob.h"
+#include <float.h>
 
 skf_blob skf_blob_of(const skf_element *e) {
-  double R = e->kernel.param, c3 = 0;
+  double R = e->kernel.param, c3 = 0, length = 0;
   bool quartic = e->kernel.type == SKF_QUARTIC, soft = e->kernel.type == SKF_SOFT_OBJECT;
+  skf_vec3 at = e->primitive.point.at, axis = {0, 0, 0};
   skf_blob b = {.per = 0};
-  if (e->primitive.shape != SKF_POINT || (!quartic && !soft)) return b;
+  if ((!quartic && !soft) || e->profile) return b;
+  if (e->primitive.shape == SKF_SEGMENT) {
+    skf_segment s = e->primitive.segment;
+    at = s.from, axis = v3_unit(v3_sub(s.to, s.from)), length = v3_dist(s.from, s.to);
+    if (!(length > 1e-8 * R && length < 1e8 * R)) return b;
+  } else if (e->primitive.shape != SKF_POINT) {
+    return b;
+  }
   if (!(R > 1e-100 && R < 1e100 && e->strength > 1e-100 && e->strength < 1e100)) return b;
   if (soft) c3 = 4. / 9;
-  return (skf_blob){e->primitive.point.at, 1 / (R * R), e->strength, 1 - c3, c3, R};
+  return (skf_blob){at, 1 / (R * R), e->strength, 1 - c3, c3, R, axis, length};
+}
+
+static double square(double x) { return x * x; }
+
+static bool point_range(const skf_blob *b, const skf_cube *c, double *lo, double *hi) {
+  double x = fabs(c->center.x - b->at.x), y = fabs(c->center.y - b->at.y), z = fabs(c->center.z - b->at.z), h = c->half;
+  double nx = x > h ? x - h : 0, ny = y > h ? y - h : 0, nz = z > h ? z - h : 0;
+  double most = 1 - (nx * nx + ny * ny + nz * nz) * b->per * (1 - 1e-12);
+  if (!(most > 0)) return false;
+  double least = 1 - (square(x + h) + square(y + h) + square(z + h)) * b->per * (1 + 1e-12);
+  *lo += b->strength * skf_blob_law(b, least), *hi += b->strength * skf_blob_law(b, most);
+  return true;
+}
+
+/* Beside a segment, at x along it and where m = 1 - h^2 / R^2; all lengths in units of R, without the strength. */
+static double beside(const skf_blob *b, double x, double length, double m) {
+  if (!(m > 0)) return 0;
+  double y = sqrt(m), lo = fmax(-x, -y), hi = fmin(length - x, y), ll = lo * lo, hh = hi * hi;
+  if (!(lo < hi)) return 0;
+  double F = b->c2 * (hi * (m * m - hh * (2. / 3 * m - 0.2 * hh)) - lo * (m * m - ll * (2. / 3 * m - 0.2 * ll)));
+  if (!(b->c3 > 0)) return F;
+  double to = hi * (m * m * m - hh * (m * m - hh * (0.6 * m - hh / 7)));
+  double from = lo * (m * m * m - ll * (m * m - ll * (0.6 * m - ll / 7)));
+  return F + b->c3 * (to - from);
+}
+
+/* The field falls with the distance from the axis, and along it with that from the middle. */
+static bool segment_range(const skf_blob *b, const skf_cube *c, double *lo, double *hi) {
+  skf_vec3 v = v3_sub(c->center, b->at), a = b->axis;
+  double along = v3_dot(v, a), wide = c->half * (fabs(a.x) + fabs(a.y) + fabs(a.z)) * (1 + 1e-12), R = b->R;
+  if (along + wide < -R || along - wide > b->length + R) return false;
+  skf_vec3 q = v3_mad(v, -along, a);
+  double h = v3_norm(q), slack = 1e-12 * (R + fabs(along)), in = c->half * (fabs(q.x) + fabs(q.y) + fabs(q.z));
+  double near = h > 0 ? fmax(h - in / h - slack, 0) : 0, far = h + c->radius + slack;
+  if (!(near < R)) return false;
+  double x = along / R, w = wide / R + 1e-12 * fabs(x), L = b->length / R, middle = 0.5 * L, s = b->strength * R;
+  double best = fmin(fmax(middle, x - w), x + w), most = beside(b, best, L, 1 - near * near * b->per);
+  if (!(most > 0)) return false;
+  double m = 1 - far * far * b->per;
+  *hi += s * (most + 64 * DBL_EPSILON);
+  if (m > 0) *lo += s * fmax(fmin(beside(b, x - w, L, m), beside(b, x + w, L, m)) - 64 * DBL_EPSILON, 0);
+  return true;
+}
+
+bool skf_blob_range(const skf_blob *b, const skf_cube *c, double *lo, double *hi) {
+  return b->length > 0 ? segment_range(b, c, lo, hi) : point_range(b, c, lo, hi);
 }

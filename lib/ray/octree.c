@@ -69,43 +69,27 @@ bool skf_octree_add(const skf_octree *t, uint32_t i, skf_vec3 c, double radius, 
 /* What is known of F in a cell. */
 typedef struct outlook {
   skf_outlook of;
-  double least, grain; /* where all are blobs: the least R; see skf_leaf */
-  bool blobs, soft;
+  double least, grain;        /* where all are blobs: the least R; see skf_leaf */
+  bool blobs, soft, segments; /* all are blobs; one has c3; one is a segment */
 } outlook;
-
-typedef struct cube {
-  skf_vec3 center;
-  double half, radius;
-} cube;
-
-/* Adds a blob to the values, the cheapest part; false when it is out of reach. */
-static bool add_blob(const skf_blob *b, const cube *c, outlook *o) {
-  double x = fabs(c->center.x - b->at.x), y = fabs(c->center.y - b->at.y), z = fabs(c->center.z - b->at.z), h = c->half;
-  double nx = x > h ? x - h : 0, ny = y > h ? y - h : 0, nz = z > h ? z - h : 0;
-  double most = 1 - (nx * nx + ny * ny + nz * nz) * b->per * (1 - 1e-12);
-  if (!(most > 0)) return false;
-  double least = 1 - (square(x + h) + square(y + h) + square(z + h)) * b->per * (1 + 1e-12);
-  o->of.lo += b->strength * skf_blob_law(b, least), o->of.hi += b->strength * skf_blob_law(b, most);
-  o->least = b->R < o->least ? b->R : o->least;
-  o->soft |= b->c3 > 0;
-  return true;
-}
 
 /* Whatever the distance. The rounding, with D the largest distance from the point, is that of m, less than
    24 eps D^2 / R^2, times its slope and what control points of a quadric can be. */
-static void add_blob_shape(const skf_blob *b, const cube *c, outlook *o) {
-  double s = b->strength, per = 1 / b->R, D = 1 + 2 * c->radius * per;
-  o->of.slope += 1.6 * s * per, o->of.bend += 8 * s * b->per;
-  o->grain += 256 * DBL_EPSILON * s * (1 + D * D);
+static void add_blob_shape(const skf_blob *b, const skf_cube *c, outlook *o) {
+  double s = b->strength * skf_blob_measure(b), per = 1 / b->R, D = 1 + 2 * c->radius * per, far = b->length * per;
+  o->of.slope += 1.6 * s * per, o->of.bend += skf_blob_bend(b);
+  o->grain += 256 * DBL_EPSILON * s * (1 + D * D + far);
 }
 
-static outlook look_out(const skf_octree *t, const cube *c, const skf_branch *in, uint32_t *kept, uint32_t *keep) {
+static outlook look_out(const skf_octree *t, const skf_cube *c, const skf_branch *in, uint32_t *kept, uint32_t *keep) {
   outlook o = {.least = INFINITY, .blobs = true};
   uint32_t n = 0;
   for (size_t i = 0; i < in->count; i++) {
     uint32_t k = in->list[i];
-    bool blob = t->blobs[k].per > 0;
-    bool taken = blob ? add_blob(t->blobs + k, c, &o) : skf_octree_add(t, k, c->center, c->radius, &o.of);
+    const skf_blob *b = t->blobs + k;
+    bool blob = b->per > 0;
+    bool taken = blob ? skf_blob_range(b, c, &o.of.lo, &o.of.hi) : skf_octree_add(t, k, c->center, c->radius, &o.of);
+    if (blob && taken) o.least = fmin(o.least, b->R), o.soft |= b->c3 > 0, o.segments |= b->length > 0;
     kept[n] = k;
     n += taken;
     o.blobs &= blob || !taken;
@@ -115,7 +99,7 @@ static outlook look_out(const skf_octree *t, const cube *c, const skf_branch *in
 }
 
 /* The shapes of the blobs, for what the values alone do not decide. */
-static void look_closer(const skf_octree *t, const cube *c, const uint32_t *kept, uint32_t keep, outlook *o) {
+static void look_closer(const skf_octree *t, const skf_cube *c, const uint32_t *kept, uint32_t keep, outlook *o) {
   if (o->blobs) o->of.fourth = INFINITY;
   for (uint32_t i = 0; i < keep; i++) {
     const skf_blob *b = t->blobs + kept[i];
@@ -131,9 +115,9 @@ static void look_closer(const skf_octree *t, const cube *c, const uint32_t *kept
 /* Finds out what the k-th cell of a branch is; a leaf comes without its lists. */
 static int examine(const skf_octree *t, const skf_branch *in, int k, uint32_t *kept, uint32_t *keep, skf_leaf *leaf) {
   double half = 0.5 * in->half, made_of;
-  cube c = {v3(in->middle.x + (k & 1 ? half : -half), in->middle.y + (k & 2 ? half : -half),
-               in->middle.z + (k & 4 ? half : -half)),
-            half * (1 + SLACK), 1.7320508075688773 * half * (1 + SLACK)};
+  skf_cube c = {v3(in->middle.x + (k & 1 ? half : -half), in->middle.y + (k & 2 ? half : -half),
+                   in->middle.z + (k & 4 ? half : -half)),
+                half * (1 + SLACK), 1.7320508075688773 * half * (1 + SLACK)};
   outlook o = look_out(t, &c, in, kept, keep);
   leaf->center = c.center;
   if (o.of.hi < t->iso) return SKF_CELL_OUTSIDE;
@@ -142,7 +126,7 @@ static int examine(const skf_octree *t, const skf_branch *in, int k, uint32_t *k
   if (o.blobs && in->half > COARSE * o.least && !last) return SKF_CELL_BRANCH;
   look_closer(t, &c, kept, *keep, &o);
   leaf->slope = o.of.slope, leaf->bend = o.of.bend, leaf->fourth = o.of.fourth;
-  leaf->soft = o.soft, leaf->grain = o.grain + 4 * DBL_EPSILON * fabs(t->iso);
+  leaf->soft = o.soft, leaf->segments = o.segments, leaf->grain = o.grain + 4 * DBL_EPSILON * fabs(t->iso);
   if (o.blobs && *keep <= SKF_LEAF_BLOBS) return SKF_CELL_BLOBS;
   leaf->f = skf_field_some(t->field, kept, *keep, c.center, &leaf->g, &made_of) - t->iso;
   double grip = fabs(leaf->g.x) + fabs(leaf->g.y) + fabs(leaf->g.z);
@@ -194,6 +178,7 @@ skf_cell skf_octree_explore(skf_octree *t, skf_branch *in, int k) {
   if (!c) {
     c = make(t, kind, in, kept, keep, &leaf);
     atomic_store_explicit(in->child + k, c, memory_order_release);
+    if (c == SKF_CELL_OUTSIDE) atomic_fetch_or_explicit(&in->outside, 1u << k, memory_order_relaxed);
   }
   omp_unset_lock(&t->lock);
   if (kept != few) skf_free(kept);

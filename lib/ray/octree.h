@@ -12,7 +12,7 @@
 #include <stdint.h>
 
 /* Blobs in a leaf at most. */
-enum { SKF_LEAF_BLOBS = 8 };
+enum { SKF_LEAF_BLOBS = 16 };
 
 /* A cell that the surface may pass. Within it, to rounding: |grad F| <= slope, |Hess F| <= bend, |F''''| <= fourth, and
    where there are no blobs |F - iso - f - g . (p - center)| <= flat. */
@@ -22,7 +22,7 @@ typedef struct skf_leaf {
   double slope, bend, fourth;
   const uint32_t *list; /* the elements in reach */
   uint32_t count;
-  bool soft;             /* a blob has c3 */
+  bool soft, segments;   /* a blob has c3; one is a segment */
   const skf_blob *blobs; /* the same elements, or NULL where one of them is none */
   double grain;          /* by which rounding may change F along a ray, but for the rounding of places */
 } skf_leaf;
@@ -42,6 +42,7 @@ typedef uintptr_t skf_cell;
 
 typedef struct skf_branch {
   _Atomic(skf_cell) child[8]; /* bits 1, 2, 4 for the upper halves in x, y, z */
+  atomic_uint outside;        /* a bit for each child that is known to be outside */
   skf_vec3 middle;
   double half; /* edge of its children */
   const uint32_t *list;

@@ -21,7 +21,7 @@ typedef struct skf_packet {
   bool first;                /* crossings beyond a lane's first are of no interest */
   skf_crossing_fn *found;
   void *user[SKF_PACKET];
-  size_t cells;
+  size_t cells, looks;
 } skf_packet;
 
 typedef void skf_packet_fn(skf_packet *p);
@@ -33,6 +33,10 @@ skf_packet_fn *skf_packet_get(skf_isa isa, int lanes);
 
 /* One lane through [a, b] of a leaf (or of a cell that is not known, NULL) by the walk; updates its sign. */
 void skf_packet_walk(skf_packet *p, int lane, const skf_leaf *leaf, double a, double b);
+
+/* Hands out a crossing between two places in a leaf. */
+void skf_packet_found(skf_packet *p, int lane, const skf_leaf *leaf, const skf_knot *a, const skf_knot *b,
+                      double guess);
 
 /* One lane through [a, b] of a leaf of blobs. */
 void skf_packet_blobs(skf_packet *p, int lane, const skf_leaf *leaf, double a, double b);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A ray through a leaf of blobs. Between the places where it enters and leaves their supports, F - iso is a polynomial
+/* A ray through a leaf of points. Between the places where it enters and leaves their supports, F - iso is a polynomial
    of degree 4, with soft objects 6. By Bernstein coefficients it has no root where they have one sign, and exactly one
    where their sign changes once; else it is halved. What rounding leaves open is left to the walk. */
 #include "ray/packet.h"
@@ -185,15 +185,19 @@ static bool find_sextic(const pieces *p, bool fresh, bool first, findings *out) 
   return find(6, p, fresh, first, out);
 }
 
-static void emit(skf_packet *p, int lane, const skf_leaf *leaf, double start, const bracket *r) {
+void skf_packet_found(skf_packet *p, int lane, const skf_leaf *leaf, const skf_knot *a, const skf_knot *b,
+                      double guess) {
   skf_walk *w = p->walk + lane;
-  skf_knot a = {.t = start + r->a, .f = r->fa}, b = {.t = start + r->b, .f = r->fb};
   w->leaf = leaf;
-  if (!p->found(p->user[lane], w, &a, &b, start + r->guess)) p->alive &= ~(1u << lane);
+  if (!p->found(p->user[lane], w, a, b, guess)) p->alive &= ~(1u << lane);
   w->leaf = NULL;
 }
 
 void skf_packet_blobs(skf_packet *p, int lane, const skf_leaf *leaf, double a, double b) {
+  if (leaf->segments) {
+    skf_packet_walk(p, lane, leaf, a, b);
+    return;
+  }
   pieces q;
   findings r;
   unsigned bit = 1u << lane;
@@ -205,7 +209,11 @@ void skf_packet_blobs(skf_packet *p, int lane, const skf_leaf *leaf, double a, d
     skf_packet_walk(p, lane, leaf, a, b);
     return;
   }
-  for (int i = 0; i < r.count && p->alive & bit; i++) emit(p, lane, leaf, a, r.roots + i);
+  for (int i = 0; i < r.count && p->alive & bit; i++) {
+    const bracket *k = r.roots + i;
+    skf_knot from = {.t = a + k->a, .f = k->fa}, to = {.t = a + k->b, .f = k->fb};
+    skf_packet_found(p, lane, leaf, &from, &to, a + k->guess);
+  }
   p->below = r.last < 0 ? p->below | bit : p->below & ~bit;
   p->above = r.last > 0 ? p->above | bit : p->above & ~bit;
 }

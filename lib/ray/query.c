@@ -159,7 +159,7 @@ static unsigned travel(question *q, const candidate *c, unsigned left, int *last
   unsigned taken = 0;
   int lanes = 0, lane = __builtin_ctz(left);
   p.tracer = q->tracer, p.first = q->first, p.found = q->found;
-  p.below = p.above = 0, p.cells = 0;
+  p.below = p.above = 0, p.cells = p.looks = 0;
   p.backwards = c[lane].backwards;
   for (; left; left &= left - 1) {
     lane = __builtin_ctz(left);
@@ -169,7 +169,7 @@ static unsigned travel(question *q, const candidate *c, unsigned left, int *last
   for (int i = lanes; i < (lanes > 4 ? SKF_PACKET : 4); i++) board(&p, i, c + lane), p.to[i] = -INFINITY;
   skf_packet_get(q->tracer->isa, lanes)(&p);
   for (int i = 0; i < lanes; i++) add_report(&q->report, &p.walk[i].report);
-  q->report.cells += p.cells;
+  q->report.cells += p.cells, q->report.evaluations += p.looks;
   *last = p.above >> (lanes - 1) & 1 ? 1 : p.below >> (lanes - 1) & 1 ? -1 : 0;
   return taken;
 }

@@ -71,7 +71,9 @@ static bool reach_of_blobs(const skf_tracer *t, skf_box *out) {
   for (size_t i = 0; i < t->n; i++) {
     const skf_blob *b = t->blobs + i;
     if (!(b->per > 0)) return false;
-    *out = box_join(*out, box_grow((skf_box){b->at, b->at}, b->R));
+    skf_box ends = {b->at, b->at};
+    if (b->length > 0) ends = skf_primitive_bounds(&t->sources[i].element.primitive);
+    *out = box_join(*out, box_grow(ends, b->R));
   }
   return true;
 }

@@ -29,10 +29,10 @@ void skf_walk_look(skf_walk *w, double t, skf_knot *k) {
   const skf_tracer *tr = w->tracer;
   skf_vec3 p = v3_mad(w->origin, t, w->direction), g;
   double F, size, noise = 2 * tr->noise;
-  if (w->leaf && w->leaf->blobs) {
+  if (w->leaf && w->leaf->blobs && !w->leaf->segments) {
     F = skf_blob_sum(w->leaf->blobs, w->leaf->count, p, &g, &size);
     noise = 16 * DBL_EPSILON;
-  } else if (w->leaf && w->leaf->count < tr->n) {
+  } else if (w->leaf && (w->leaf->blobs || w->leaf->count < tr->n)) {
     F = skf_field_some(tr->field, w->leaf->list, w->leaf->count, p, &g, &size);
     noise += 0.5 * DBL_EPSILON * w->leaf->count;
   } else if (!tr->plus) {

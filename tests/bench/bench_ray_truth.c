@@ -62,6 +62,14 @@ static void check(const skf_field *f, double iso, const skf_ray *r, const skf_hi
   }
 }
 
+/* The first crossing, which is found in other ways, against all. */
+static void check_first(const skf_tracer *t, const skf_ray *r, const skf_hit *h, size_t n, tally *sum) {
+  skf_hit first;
+  bool found;
+  if (skf_tracer_first(t, r, &first, &found, NULL)) exit(1);
+  sum->missed += n && (!found || first.t > h->t + 1e-9), sum->invented += found && (!n || first.t < h->t - 1e-9);
+}
+
 /* Three elements of one kernel; triangles only of those whose closed forms are quick. */
 static skf_field *scene(uint64_t *state, int kernel, double *iso) {
   skf_element e[ELEMENTS];
@@ -105,6 +113,7 @@ int main(int argc, char **argv) {
       }
       sum.hits += n;
       check(f, iso, &r, h, n, &sum);
+      check_first(t, &r, h, n, &sum);
     }
     sum.grazing += report.grazing;
     skf_tracer_free(t);

@@ -138,6 +138,48 @@ static void history(void **unused) {
   done_with(forward, f);
 }
 
+/* First crossings are found in other ways than all of them. */
+static void first_of_all(void **unused) {
+  (void)unused;
+  enum { N = 40, RAYS = 300 };
+  uint64_t state = 9;
+  size_t hits = 0, on = 0;
+  for (int k = 0; k < 12; k++) {
+    skf_element e[N];
+    double scale = k % 3 == 0 ? 1 : k % 3 == 1 ? 1e-7 : 1e7;
+    cloud(&state, k & 1 ? SKF_QUARTIC : SKF_SOFT_OBJECT, SKF_POINT, v3(0, 0, 0), scale, e, N);
+    if (k & 2) cloud(&state, k & 4 ? SKF_QUARTIC : SKF_SOFT_OBJECT, SKF_SEGMENT, v3(0, 0, 0), scale, e, N / 2);
+    for (int i = 0; k & 2 && i < N / 2; i++) e[i].strength /= scale;
+    for (int i = 0; i < N; i++) e[i].kernel.param *= k > 5 ? 0.3 : 1;
+    skf_field *f;
+    skf_tracer *t = tracer_of(e, N, rnd(&state, 0.1, 0.9), &f);
+    for (int i = 0; i < RAYS; i++) {
+      skf_ray r = ray_at(&state, v3(0, 0, 0), scale, i & 1);
+      if (i % 7 == 0) r.t_max = rnd(&state, 0.1, 6) * scale;
+      skf_hit all[32], first;
+      size_t n;
+      bool found;
+      assert_int_equal(skf_tracer_all(t, &r, 32, all, &n, NULL), SKF_OK);
+      assert_int_equal(skf_tracer_first(t, &r, &first, &found, NULL), SKF_OK);
+      assert_int_equal(found, n > 0);
+      if (!n) continue;
+      hits++;
+      check_scaled(first.t, all->t, scale, 1e-12);
+      assert_int_equal(first.entering, all->entering);
+      /* on from there */
+      r.origin = first.at, r.t_max = INFINITY, r.direction = i & 4 ? rnd_unit(&state) : r.direction;
+      assert_int_equal(skf_tracer_all(t, &r, 32, all, &n, NULL), SKF_OK);
+      assert_int_equal(skf_tracer_first(t, &r, &first, &found, NULL), SKF_OK);
+      assert_int_equal(found, n > 0);
+      if (!n) continue;
+      check_scaled(first.t, all->t, scale, 1e-12);
+      on++;
+    }
+    done_with(t, f);
+  }
+  assert_true(hits > 500 && on > 100);
+}
+
 /* Memory that runs out leaves cells unexplored: hits stay, to rounding. */
 static void without_memory(void **unused) {
   (void)unused;
@@ -164,7 +206,7 @@ static void without_memory(void **unused) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(many_elements), cmocka_unit_test(small_and_far_off), cmocka_unit_test(needles),
-      cmocka_unit_test(history),       cmocka_unit_test(without_memory),
+      cmocka_unit_test(history),       cmocka_unit_test(first_of_all),      cmocka_unit_test(without_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT */
+/* First crossings in a leaf of blobs. What does not come to an end, or depends on rounding, is left to
+   skf_packet_blobs. */
+#ifndef SKF_RAY_PACKET_BLOBS_H
+#define SKF_RAY_PACKET_BLOBS_H
+
+#include "ray/packet_points.h"
+#include "ray/packet_segments.h"
+
+/* Lanes that are done with the leaf, and for a crossing what brackets it. */
+typedef struct skf_outcome {
+  unsigned hit, below, above;
+  skf_vd lo[VECTORS], hi[VECTORS], f[VECTORS], u[VECTORS]; /* f: at lo */
+} skf_outcome;
+
+SKF_INLINE void set_outcome(skf_outcome *o, int v, skf_vi hit, skf_vi clear, skf_vd side) {
+  unsigned sure = (unsigned)vi_bits(clear), up = (unsigned)vi_bits(side > vd_set(0));
+  o->hit |= (unsigned)vi_bits(hit) << (SKF_LANES * v);
+  o->below |= (sure & ~up) << (SKF_LANES * v), o->above |= (sure & up) << (SKF_LANES * v);
+}
+
+SKF_INLINE void in_segments(skf_packet *p, const skf_leaf *leaf, const skf_ways *ways, unsigned lanes, skf_outcome *o) {
+  skf_course c;
+  follow(p, leaf, ways, lanes, &c);
+  for (int v = 0; v < VECTORS; v++) {
+    set_outcome(o, v, c.hit[v], c.clear[v], c.side[v]);
+    o->lo[v] = c.lo[v], o->hi[v] = c.hi[v], o->f[v] = c.f[v], o->u[v] = c.u[v];
+  }
+}
+
+SKF_INLINE void in_points(const int n, skf_packet *p, const skf_leaf *leaf, const skf_ways *ways, unsigned lanes,
+                          skf_outcome *o) {
+  skf_search s[VECTORS];
+  search(n, p, leaf, ways, lanes, s);
+  for (int v = 0; v < VECTORS; v++) {
+    const skf_piece *q = &s[v].found;
+    set_outcome(o, v, s[v].hit, s[v].clear, s[v].side);
+    o->lo[v] = q->u, o->hi[v] = q->u + q->h, o->f[v] = q->c[0], o->u[v] = q->u;
+    if (vi_any(s[v].hit)) o->u[v] += q->h * root(n, q->c);
+  }
+}
+
+static void take_hits(skf_packet *p, const skf_leaf *leaf, const skf_vd *from, const skf_outcome *c) {
+  double t[VECTORS * SKF_LANES], u[VECTORS * SKF_LANES], lo[VECTORS * SKF_LANES], hi[VECTORS * SKF_LANES],
+      f[VECTORS * SKF_LANES];
+  for (int v = 0; v < VECTORS; v++) {
+    int at = SKF_LANES * v;
+    vd_store(t + at, from[v]), vd_store(u + at, c->u[v]), vd_store(f + at, c->f[v]);
+    vd_store(lo + at, c->lo[v]), vd_store(hi + at, c->hi[v]);
+  }
+  for (unsigned hits = c->hit; hits; hits &= hits - 1) {
+    int k = __builtin_ctz(hits);
+    skf_packet_found(p, k, leaf, &(skf_knot){.t = t[k] + lo[k], .f = f[k]}, &(skf_knot){.t = t[k] + hi[k], .f = -f[k]},
+                     t[k] + u[k]);
+  }
+}
+
+/* All lanes through a leaf; only their first crossings are asked for. Returns those that are left to others. */
+SKF_INLINE unsigned first_in_blobs(skf_packet *p, const skf_leaf *leaf, const skf_vd *from, const skf_vd *to,
+                                   unsigned lanes) {
+  skf_ways ways;
+  skf_outcome o;
+  unsigned left = look_along(p, leaf, from, to, lanes, &ways);
+  o.hit = o.above = 0, o.below = lanes & ~left;
+  if (left && leaf->segments)
+    in_segments(p, leaf, &ways, left, &o);
+  else if (left && leaf->soft)
+    in_points(6, p, leaf, &ways, left, &o);
+  else if (left)
+    in_points(4, p, leaf, &ways, left, &o);
+  p->below = (p->below | o.below) & ~o.above, p->above = (p->above | o.above) & ~o.below;
+  if (o.hit) take_hits(p, leaf, from, &o);
+  return left & ~(o.hit | o.below | o.above);
+}
+
+#endif

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: MIT */
+/* What a leaf of blobs looks like along rays, four lanes in a vector. */
+#ifndef SKF_RAY_PACKET_WAYS_H
+#define SKF_RAY_PACKET_WAYS_H
+
+#include "ray/packet.h"
+#include "simd/vec.h"
+
+/* At u along the rays m = m0 + u (m1 - m2 u), of a segment beside its line; x = x0 + u x1 along it in units of R. */
+typedef struct skf_way {
+  skf_vd m0, m1, m2, x0, x1;
+} skf_way;
+
+typedef struct skf_ways {
+  skf_way of[SKF_LEAF_BLOBS][VECTORS];
+  skf_vd length[VECTORS], noise[VECTORS]; /* noise: twice what rounding can make of f */
+} skf_ways;
+
+SKF_INLINE skf_vd clamped(skf_vd x, skf_vd lo, skf_vd hi) { return vd_max(vd_min(x, hi), lo); }
+
+SKF_INLINE skf_way way_of(const skf_blob *b, skf_vd x, skf_vd y, skf_vd z, skf_vd dx, skf_vd dy, skf_vd dz) {
+  skf_way w = {.m2 = vd_set(b->per)};
+  skf_vd one = vd_set(1), per = vd_set(b->per);
+  x -= vd_set(b->at.x), y -= vd_set(b->at.y), z -= vd_set(b->at.z);
+  if (b->length > 0) {
+    skf_vd ax = vd_set(b->axis.x), ay = vd_set(b->axis.y), az = vd_set(b->axis.z), per_R = vd_set(1 / b->R);
+    skf_vd s = x * ax + y * ay + z * az, t = dx * ax + dy * ay + dz * az;
+    x -= s * ax, y -= s * ay, z -= s * az, dx -= t * ax, dy -= t * ay, dz -= t * az;
+    w.x0 = s * per_R, w.x1 = t * per_R, w.m2 = (dx * dx + dy * dy + dz * dz) * per;
+  }
+  w.m0 = one - (x * x + y * y + z * z) * per;
+  w.m1 = vd_set(-2) * per * (x * dx + y * dy + z * dz);
+  return w;
+}
+
+/* int (m - t^2)^2 dt and its derivative by m over 2, of t from 0; with c3 those of (m - t^2)^3 */
+SKF_INLINE skf_vd squares(skf_vd m, skf_vd t, skf_vd tt) {
+  return t * (m * m - tt * (vd_set(2. / 3) * m - vd_set(0.2) * tt));
+}
+SKF_INLINE skf_vd cubes(skf_vd m, skf_vd t, skf_vd tt) {
+  return t * (m * m * m - tt * (m * m - tt * (vd_set(0.6) * m - vd_set(1. / 7) * tt)));
+}
+
+typedef struct skf_beside {
+  skf_vd F, by_m, by_x;
+} skf_beside;
+
+/* A segment's field at x along it and at m >= 0, in units of R and of its strength. */
+SKF_INLINE skf_beside beside(const skf_blob *b, skf_vd x, skf_vd m) {
+  skf_vd y = vd_sqrt(m), L = vd_set(b->length / b->R), c2 = vd_set(b->c2), c3 = vd_set(b->c3), three = vd_set(3);
+  skf_vd lo = vd_min(vd_max(-x, -y), y), hi = vd_max(vd_min(L - x, y), -y), ll = lo * lo, hh = hi * hi;
+  skf_vd a = m - ll, b2 = m - hh, square = squares(m, hi, hh) - squares(m, lo, ll);
+  skf_vd line = hi * (m - vd_set(1. / 3) * hh) - lo * (m - vd_set(1. / 3) * ll);
+  a = vd_max(a, vd_set(0)), b2 = vd_max(b2, vd_set(0));
+  if (!(b->c3 > 0)) return (skf_beside){square, vd_set(2) * line, a * a - b2 * b2};
+  return (skf_beside){c2 * square + c3 * (cubes(m, hi, hh) - cubes(m, lo, ll)),
+                      vd_set(2) * c2 * line + three * c3 * square, a * a * (c2 + c3 * a) - b2 * b2 * (c2 + c3 * b2)};
+}
+
+/* Upper bound of F over the whole way. */
+SKF_INLINE skf_vd way_most(const skf_blob *b, const skf_way *w, skf_vd L) {
+  skf_vd zero = vd_set(0), top = vd_set(0.5) * (b->length > 0 ? w->m1 / w->m2 : w->m1 * vd_set(b->R * b->R));
+  skf_vd u = clamped(top, zero, L), m = vd_max(w->m0 + u * (w->m1 - u * w->m2), zero);
+  if (b->length > 0) {
+    skf_vd x = w->x0, xL = w->x0 + L * w->x1;
+    skf_vd nearest = clamped(vd_set(0.5 * b->length / b->R), vd_min(x, xL), vd_max(x, xL));
+    return vd_set(b->strength * b->R) * beside(b, nearest, m).F;
+  }
+  skf_vd s = vd_set(b->strength) * m * m;
+  return b->c3 > 0 ? s * (vd_set(b->c2) + vd_set(b->c3) * m) : s;
+}
+
+/* The leaf's blobs along the lanes; returns those that are not outside all the way. */
+SKF_INLINE unsigned look_along(const skf_packet *p, const skf_leaf *leaf, const skf_vd *from, const skf_vd *to,
+                               unsigned lanes, skf_ways *out) {
+  unsigned bits = 0;
+  for (int v = 0; v < VECTORS; v++) {
+    if (!(lanes >> (SKF_LANES * v) & 15)) continue;
+    int at = SKF_LANES * v;
+    skf_vd dx = vd_load(p->d[0] + at), dy = vd_load(p->d[1] + at), dz = vd_load(p->d[2] + at), a = from[v];
+    skf_vd x = vd_load(p->o[0] + at) + a * dx, y = vd_load(p->o[1] + at) + a * dy, z = vd_load(p->o[2] + at) + a * dz;
+    skf_vd L = to[v] - a, noise = vd_load(p->shift + at) * vd_set(leaf->slope) + vd_set(leaf->grain);
+    skf_vd most = noise - vd_set(p->tracer->iso);
+    for (uint32_t i = 0; i < leaf->count; i++) {
+      skf_way w = out->of[i][v] = way_of(leaf->blobs + i, x, y, z, dx, dy, dz);
+      most += way_most(leaf->blobs + i, &w, L);
+    }
+    out->length[v] = L, out->noise[v] = noise + noise;
+    bits |= (unsigned)vi_bits(~(most < vd_set(0))) << at;
+  }
+  return bits & lanes;
+}
+
+SKF_INLINE skf_vd sides_of(const skf_packet *p, int v) {
+  double side[SKF_LANES];
+  for (int k = 0; k < SKF_LANES; k++) {
+    int lane = SKF_LANES * v + k;
+    side[k] = (int)(p->above >> lane & 1) - (int)(p->below >> lane & 1);
+  }
+  return vd_load(side);
+}
+
+SKF_INLINE skf_vi lanes_on(unsigned lanes, int v) {
+  long long on[SKF_LANES];
+  skf_vi out;
+  for (int k = 0; k < SKF_LANES; k++) on[k] = -(long long)(lanes >> (SKF_LANES * v + k) & 1);
+  memcpy(&out, on, sizeof out);
+  return out;
+}
+
+#endif
