@@ -72,7 +72,8 @@ static double first_step(const skf_flight *f) {
   double L = length_at(f->world, f->orbit.x), v = v3_norm(f->orbit.v);
   skf_world_force(f->world, f->orbit.t, &f->orbit.x, &a, NULL);
   double h = FIRST_STEP * fmin(L / v, sqrt(L / v3_norm(a)));
-  return isfinite(h) && h > 0 ? h : 1;
+  if (!(isfinite(h) && h > 0)) return 1;
+  return fmax(h, 2 * skf_step_floor(f->orbit.t)); /* right above the middle of a body, say a plane's origin */
 }
 
 static double momentum_size(const skf_flight *f, skf_vec3 x, skf_vec3 v) {

@@ -234,6 +234,29 @@ static void sliding_goes_on_and_friction_stops_it(void **state) {
   drop(w, field);
 }
 
+/* Dropped from height 1 right above the origin of a floor that does not pull: all bounces take sqrt(2 / g) (1 + e) / (1
+   - e), less those too low to tell. */
+static void bounces_above_the_origin_end(void **state) {
+  (void)state;
+  skf_element plane = {{.shape = SKF_PLANE, .plane = {{0, 0, -1}, {0, 0, 1}}}, {SKF_CAUCHY, 1}, 1};
+  skf_force weight = {.type = SKF_FORCE_PUSH, .push = {0, 0, -2}};
+  skf_field *field;
+  skf_world *w;
+  assert_int_equal(skf_field_new(&plane, 1, &field), SKF_OK);
+  skf_attractor floor = {field, skf_field_at(field, v3(0, 0, 0), NULL), 0, still};
+  assert_int_equal(skf_world_new_with(&floor, 1, &weight, 1, &w), SKF_OK);
+  skf_flight *f = fly(w, (skf_flight_options){.contact = SKF_CONTACT_BOUNCE, .restitution = 0.5},
+                      (skf_state){0, {0, 0, 1}, {0, 0, 0}});
+  size_t n = 0;
+  skf_contact c = {0};
+  skf_state s = state_at(f, 4, &n, &c);
+  assert_int_equal(c.outcome, SKF_OUTCOME_REST);
+  check_close(c.t, 3, 2e-3);
+  check_scaled(s.position.z, 0, 1, 1e-15);
+  skf_flight_free(f);
+  drop(w, field);
+}
+
 /* A sphere that spins: friction drags the particle along; a particle that sticks rides with the ground. */
 static void spinning_ground_counts(void **state) {
   (void)state;
@@ -371,7 +394,7 @@ int main(void) {
       cmocka_unit_test(lossy_bounces_come_to_rest), cmocka_unit_test(sliding_goes_on_and_friction_stops_it),
       cmocka_unit_test(spinning_ground_counts),     cmocka_unit_test(moving_bodies_are_met),
       cmocka_unit_test(passing_tells_every_entry),  cmocka_unit_test(passing_comes_back),
-      cmocka_unit_test(the_absorbed_are_gone),
+      cmocka_unit_test(the_absorbed_are_gone),      cmocka_unit_test(bounces_above_the_origin_end),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
