@@ -20,7 +20,7 @@
 
 // %%
 #include "field/cases.h"
-#include "adapt/plot.h"
+#include "figure.h"
 #include <time.h>
 
 enum { PER_REGION = 24 };
@@ -102,34 +102,6 @@ printf("%d places, every one within 1e-12 in F, 1e-11 in the gradient, 1e-10 in 
 // to 10 sizes; at 10 to a million sizes; just within the end of a finite support. In all of them sizes go from 1e-7 to
 // 1e7, coordinates are up to a million sizes from the origin, kernels from 1e-4 of the body to 1e4 of it, slivers down
 // to 1e-6, arcs from a millionth of a turn to a billionth less than a full one.
-
-// %%
-const skf_plot *plot;
-const double ink[4] = {0.1, 0.1, 0.12, 1}, paper[4] = {1, 1, 1, 1}, faint[4] = {0.85, 0.85, 0.87, 1};
-void box(skf_canvas *c, double x0, double y0, double x1, double y1, const double rgba[4]) {
-  plot->fill(c, (const double[][2]){{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}, 4, rgba);
-}
-void label(skf_canvas *c, double x, double y, double ax, double size, const double rgba[4], const char *text) {
-  plot->text(c, (skf_text_place){x, y, ax, 0.5, 0, size}, text, rgba);
-}
-void show(skf_canvas *c, const char *path) {
-  unsigned char *bytes;
-  size_t n;
-  char problem[256];
-  if (plot->encode(c, "png", &bytes, &n, problem)) nb_fail("%s", problem);
-  FILE *f = fopen(path, "wb");
-  nb_require(f && fwrite(bytes, 1, n, f) == n && fclose(f) == 0);
-  plot->release(bytes);
-  plot->destroy(c);
-  nb_show(path);
-}
-skf_canvas *canvas(int width, int height) {
-  char problem[256];
-  if (!plot) plot = skf_plot_load(problem);
-  skf_canvas *c = plot ? plot->create(width, height, NULL, problem) : NULL;
-  if (!c) nb_fail("%s", problem);
-  return c;
-}
 
 // %%
 skf_canvas *c = canvas(1100, 980);
