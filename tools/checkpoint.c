@@ -72,7 +72,7 @@ static int name_journal(checkpoint *c) {
   return cli_fail(CLI_BAD, "%s: expected a shorter name", c->path);
 }
 
-int checkpoint_begin(checkpoint *c) {
+static int begin(checkpoint *c) {
   int status = name_journal(c);
   if (status) return status;
   if (unlink(c->path) && errno != ENOENT) return broken(c->path); /* it is about another journal */
@@ -80,11 +80,13 @@ int checkpoint_begin(checkpoint *c) {
   return c->journal ? CLI_DONE : broken(c->journal_path);
 }
 
+int checkpoint_begin(checkpoint *c) { return team_agree(c->crew, team_leads(c->crew) ? begin(c) : CLI_DONE); }
+
 static int foreign(const checkpoint *c, const char *what, const char *wanted) {
   return cli_fail(CLI_BAD, "%s: %s, expected %s", c->path, what, wanted);
 }
 
-static int read_state(checkpoint *c, summed *f, head *h, skf_runner *runner) {
+static int read_head(checkpoint *c, summed *f, head *h) {
   if (get(f, h, sizeof *h) || memcmp(h->magic, magic, sizeof magic) != 0)
     return foreign(c, "this is no checkpoint", "one that skelfield simulate --checkpoint wrote");
   h->version[sizeof h->version - 1] = 0;
@@ -92,53 +94,53 @@ static int read_state(checkpoint *c, summed *f, head *h, skf_runner *runner) {
     return foreign(c, "a checkpoint of another version of skelfield", skf_version());
   if (h->identity != c->identity)
     return foreign(c, "a checkpoint of another scene", "the scene that it was written for, unchanged");
-  skf_status s = h->complete ? SKF_OK : skf_runner_load(runner, get, f);
+  return CLI_DONE;
+}
+
+/* After the runner's part, which ended with s. */
+static int end_state(checkpoint *c, summed *f, skf_status s) {
   uint64_t sum = f->sum, kept;
   if (s == SKF_ERR_NOMEM) return cli_fail(CLI_FAILED, "out of memory");
   if (s || get(f, &kept, sizeof kept) || kept != sum) return foreign(c, "the checkpoint is damaged", "a whole one");
   return CLI_DONE;
 }
 
-int checkpoint_resume(checkpoint *c, skf_runner *runner, bool *complete) {
-  head h;
-  *complete = false;
+static int open_state(checkpoint *c, summed *f, head *h) {
   int status = name_journal(c);
   if (status) return status;
-  summed f = {fopen(c->path, "rb"), 1};
-  if (!f.file) return cli_fail(CLI_BAD, "%s: %s, expected a checkpoint", c->path, strerror(errno));
-  status = read_state(c, &f, &h, runner);
-  fclose(f.file);
-  if (status) return status;
-  *complete = h.complete != 0;
-  if (*complete) return unlink(c->journal_path), CLI_DONE; /* a kill may have left it */
+  f->file = fopen(c->path, "rb");
+  if (!f->file) return cli_fail(CLI_BAD, "%s: %s, expected a checkpoint", c->path, strerror(errno));
+  status = read_head(c, f, h);
+  return status == CLI_DONE && h->complete ? end_state(c, f, SKF_OK) : status;
+}
+
+static int open_journal(checkpoint *c, const head *h) {
   c->journal = fopen(c->journal_path, "r+b");
   if (!c->journal)
     return cli_fail(CLI_BAD, "%s: %s, expected it beside the checkpoint", c->journal_path, strerror(errno));
-  if (fseeko(c->journal, 0, SEEK_END) || (uint64_t)ftello(c->journal) < h.journal)
+  if (fseeko(c->journal, 0, SEEK_END) || (uint64_t)ftello(c->journal) < h->journal)
     return cli_fail(CLI_BAD, "%s: shorter than the checkpoint says, expected the journal that belongs to it",
                     c->journal_path);
-  if (ftruncate(fileno(c->journal), (off_t)h.journal) || fseeko(c->journal, 0, SEEK_END))
+  if (ftruncate(fileno(c->journal), (off_t)h->journal) || fseeko(c->journal, 0, SEEK_END))
     return broken(c->journal_path);
   return CLI_DONE;
 }
 
-/* Writes a file beside the checkpoint and gives it its name when all of it is on the disk. */
-static int write_state(checkpoint *c, const head *h, const skf_runner *runner) {
-  char temp[4096 + 8];
-  snprintf(temp, sizeof temp, "%s.new", c->path);
-  summed f = {fopen(temp, "wb"), 1};
-  if (!f.file) return broken(temp);
-  skf_status s = put(&f, h, sizeof *h);
-  if (!s && !h->complete) s = skf_runner_save(runner, put, &f);
-  uint64_t sum = f.sum;
-  if (!s) s = put(&f, &sum, sizeof sum);
-  bool good = !s && fflush(f.file) == 0 && fsync(fileno(f.file)) == 0;
-  if (fclose(f.file) || !good || rename(temp, c->path)) {
-    int status = broken(c->path);
-    unlink(temp);
-    return status;
+int checkpoint_resume(checkpoint *c, skf_runner *runner, bool *complete) {
+  head h = {.complete = 0};
+  summed f = {NULL, 1};
+  bool leads = team_leads(c->crew);
+  int status = team_agree(c->crew, leads ? open_state(c, &f, &h) : CLI_DONE);
+  *complete = status == CLI_DONE && team_agree(c->crew, h.complete != 0);
+  if (status == CLI_DONE && !*complete) {
+    skf_status s = skf_runner_load(runner, get, &f);
+    if (leads) status = end_state(c, &f, s);
+    if (leads && status == CLI_DONE) status = open_journal(c, &h);
+    status = team_agree(c->crew, status);
   }
-  return CLI_DONE;
+  if (f.file) fclose(f.file);
+  if (leads && *complete) unlink(c->journal_path); /* a kill may have left it */
+  return status;
 }
 
 static head head_of(const checkpoint *c, uint64_t journal, bool complete) {
@@ -148,15 +150,53 @@ static head head_of(const checkpoint *c, uint64_t journal, bool complete) {
   return h;
 }
 
-int checkpoint_save(checkpoint *c, const skf_runner *runner) {
+/* A file beside the checkpoint, which gets its name when all of it is on the disk. */
+static void temp_name(const checkpoint *c, char name[4096 + 8]) { snprintf(name, 4096 + 8, "%s.new", c->path); }
+
+static int begin_writing(checkpoint *c, summed *f, const head *h) {
+  char temp[4096 + 8];
+  temp_name(c, temp);
+  f->file = fopen(temp, "wb");
+  if (!f->file || put(f, h, sizeof *h)) return broken(temp);
+  return CLI_DONE;
+}
+
+/* What has been put is whole, or the old file stays. */
+static int end_writing(checkpoint *c, summed *f, bool good) {
+  char temp[4096 + 8];
+  temp_name(c, temp);
+  uint64_t sum = f->sum;
+  good = good && !put(f, &sum, sizeof sum) && fflush(f->file) == 0 && fsync(fileno(f->file)) == 0;
+  if (fclose(f->file) || !good || rename(temp, c->path)) {
+    int status = broken(c->path);
+    unlink(temp);
+    return status;
+  }
+  return CLI_DONE;
+}
+
+static int begin_saving(checkpoint *c, summed *f) {
   if (fflush(c->journal) || fsync(fileno(c->journal))) return broken(c->journal_path);
   head h = head_of(c, (uint64_t)ftello(c->journal), false);
-  return write_state(c, &h, runner);
+  return begin_writing(c, f, &h);
+}
+
+int checkpoint_save(checkpoint *c, const skf_runner *runner) {
+  summed f = {NULL, 1};
+  int status = team_agree(c->crew, team_leads(c->crew) ? begin_saving(c, &f) : CLI_DONE);
+  bool good = status == CLI_DONE && skf_runner_save(runner, put, &f) == SKF_OK;
+  if (f.file) {
+    int ended = end_writing(c, &f, good);
+    if (status == CLI_DONE) status = ended;
+  }
+  return team_agree(c->crew, status);
 }
 
 int checkpoint_complete(checkpoint *c) {
   head h = head_of(c, 0, true);
-  int status = write_state(c, &h, NULL);
+  summed f = {NULL, 1};
+  int status = begin_writing(c, &f, &h);
+  if (f.file) status = end_writing(c, &f, status == CLI_DONE);
   if (status == CLI_DONE && unlink(c->journal_path)) status = broken(c->journal_path);
   return status;
 }

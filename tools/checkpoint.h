@@ -3,11 +3,11 @@
 #ifndef SKF_TOOLS_CHECKPOINT_H
 #define SKF_TOOLS_CHECKPOINT_H
 
-#include "cli.h"
-#include <stdint.h>
+#include "team.h"
 
 typedef struct checkpoint {
   const char *path;
+  const team *crew; /* the first process has the files */
   char journal_path[4096];
   size_t particles;
   uint64_t identity; /* of the scene and what flies in it */
@@ -18,6 +18,7 @@ typedef struct checkpoint {
 uint64_t checkpoint_identity(const skf_scene *scene, const char *scene_path, const skf_world *world,
                              const skf_state *starts);
 
+/* All processes call these three. */
 /* Begins anew, forgetting what the files held. CLI_DONE, or another status after the message, as all of these. */
 int checkpoint_begin(checkpoint *c);
 /* Continues where the file says, after checking that it is about this run: fills the runner and cuts the journal to its

@@ -116,9 +116,28 @@ int cli_number(const cli *c, const char *option, double above, double *out) {
   return CLI_DONE;
 }
 
+/* What a muted process would have said last. */
+static struct {
+  bool on;
+  char text[512];
+} mute;
+
+void cli_mute(void) {
+  mute.on = true;
+  FILE *nowhere = freopen("/dev/null", "w", stdout);
+  (void)nowhere; /* without one writes fail, unheard */
+}
+
+bool cli_is_muted(void) { return mute.on; }
+const char *cli_muted(void) { return mute.on ? mute.text : ""; }
+
 static void one_line(const char *prefix, const char *format, va_list args) {
   char text[8192];
   vsnprintf(text, sizeof text, format, args);
+  if (mute.on) {
+    snprintf(mute.text, sizeof mute.text, "%.*s", (int)sizeof mute.text - 1, text);
+    return;
+  }
   for (char *p = text; *p; p++)
     if ((unsigned char)*p < 32 || *p == 127) *p = '?'; /* a name with a line feed must not make two lines */
   fprintf(stderr, "%s%s\n", prefix, text);

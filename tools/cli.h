@@ -24,6 +24,7 @@ typedef struct cli_command {
   int option_count;
   const char *notes; /* more help: columns, units, examples; may be NULL */
   int (*run)(cli *c);
+  bool shares; /* its work among the processes of an MPI launcher; others are refused there */
 } cli_command;
 
 /* Operand i; the value of an option (last one wins) or NULL; whether an option or flag was given. */

@@ -30,6 +30,11 @@ void cli_help_command(FILE *f, const cli_command *command);
 /* "scene": what a scene file may hold. */
 void cli_help_scene(FILE *f);
 
+/* From now on nothing is printed; the last message, "" when there was none. */
+void cli_mute(void);
+const char *cli_muted(void);
+bool cli_is_muted(void);
+
 /* Handlers for SIGINT, SIGTERM, SIGHUP; a closed pipe becomes an error of the write. */
 void cli_signals(void);
 /* 0, or the signal that asked the program to stop. */

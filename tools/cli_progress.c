@@ -55,7 +55,7 @@ static int report(void *user, double done) {
 skf_progress cli_progress(const char *label) {
   cli_progress_end();
   bar.active = true;
-  bar.terminal = isatty(STDERR_FILENO);
+  bar.terminal = !cli_is_muted() && isatty(STDERR_FILENO);
   bar.drawn = false;
   bar.start = bar.last = now();
   bar.label = label;

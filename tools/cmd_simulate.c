@@ -4,6 +4,8 @@
 #include "launch.h"
 #include "run_bodies.h"
 #include "run_summary.h"
+#include "simd/isa.h"
+#include "team.h"
 #include "trajectory.h"
 #include <math.h>
 #include <stdint.h>
@@ -15,6 +17,7 @@
 /* Everything that a run holds. */
 typedef struct simulate {
   const cli *c;
+  team crew; /* processes that fly shares of the particles; the first one has the outputs */
   trajectory_table table;
   skf_world *world;
   skf_state *starts;
@@ -157,7 +160,7 @@ static int prepare(simulate *s) {
   return s->reports && (s->quantities || !s->table.invariants) ? status : cli_fail(CLI_FAILED, "out of memory");
 }
 
-static int open_outputs(simulate *s) {
+static int open_own_outputs(simulate *s) {
   const char *path = cli_value(s->c, "output"), *contacts = cli_value(s->c, "contacts");
   int status = trajectory_writer_for(path, &s->writer);
   if (status != CLI_DONE) return status;
@@ -167,6 +170,10 @@ static int open_outputs(simulate *s) {
   s->log = contacts != NULL;
   if (s->log) contact_header(s->contacts.file);
   return s->writer->open(&s->trajectory, path, &s->table);
+}
+
+static int open_outputs(simulate *s) {
+  return team_agree(&s->crew, team_leads(&s->crew) ? open_own_outputs(s) : CLI_DONE);
 }
 
 /* Commits what is complete: all of it, or the rows before a failure or an interrupt. */
@@ -184,6 +191,7 @@ static int close_outputs(simulate *s, bool keep) {
 static int complain(const simulate *s, skf_status ended, const skf_run_failure *where) {
   const skf_scene *scene = s->table.scene;
   const char *kept = s->sum.rows ? "rows before are written" : "nothing written";
+  if (team_lost(&s->crew)) return cli_fail(CLI_FAILED, "a process does not answer after t = %.9g, %s", s->sum.t, kept);
   if (ended == SKF_ERR_CANCELLED) return cli_fail(CLI_FAILED, "interrupted after t = %.9g, %s", s->sum.t, kept);
   if (ended == SKF_ERR_CONVERGENCE)
     return cli_fail(CLI_FAILED, "particle '%s' meets a force that no step can follow at t = %.17g, %s",
@@ -198,10 +206,16 @@ static double seconds(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Stops the run for an interrupt and for the next checkpoint. */
+/* Whether this process wants to stop: for an interrupt, or for the next checkpoint. */
+static bool wants_stop(void *user) {
+  const simulate *s = user;
+  return cli_interrupted() || (s->kept && team_leads(&s->crew) && seconds() - s->last >= s->every);
+}
+
 static int watch(void *user, double done) {
   const simulate *s = user;
-  return s->bar.report(s->bar.user, done) || (s->kept && seconds() - s->last >= s->every);
+  s->bar.report(s->bar.user, done);
+  return team_poll(&s->crew, wants_stop(user));
 }
 
 static skf_status keep_row(void *user, double t, const skf_state *states) {
@@ -216,9 +230,11 @@ static int fly_on(simulate *s, skf_runner *runner, const skf_run_sink *sink, skf
                   skf_run_failure *where) {
   const skf_progress progress = {watch, s};
   for (;;) {
+    team_begin(&s->crew, wants_stop, s);
     *ended = skf_runner_fly(runner, sink, &progress, where);
-    bool asked = cli_interrupted();
-    if (!s->kept || *ended == SKF_ERR_IO) return CLI_DONE;
+    team_end(&s->crew);
+    if (!s->kept || *ended == SKF_ERR_IO || team_lost(&s->crew)) return CLI_DONE;
+    bool asked = team_agree(&s->crew, cli_interrupted()) != 0;
     int status = checkpoint_save(&s->keep, runner);
     s->last = seconds();
     if (status != CLI_DONE || *ended != SKF_ERR_CANCELLED || asked) return status;
@@ -234,6 +250,7 @@ static int start(simulate *s, const skf_run *run, skf_runner **runner, bool *ove
   if (*ended || !s->kept) return CLI_DONE;
   struct stat about;
   bool begin = !resume || (cli_given(s->c, "checkpoint") && stat(resume, &about) != 0);
+  begin = team_agree(&s->crew, begin && team_leads(&s->crew)) != 0;
   int status = begin ? checkpoint_begin(&s->keep) : checkpoint_resume(&s->keep, *runner, over);
   if (status == CLI_DONE && begin) status = checkpoint_save(&s->keep, *runner);
   s->last = seconds();
@@ -245,6 +262,7 @@ static skf_status write_kept(simulate *s) {
   return journal_replay(&s->keep, &(skf_run_sink){take_row, take_contact, s});
 }
 
+/* The first process's. */
 static int finish(simulate *s, skf_status ended, const skf_run_failure *where) {
   const skf_scene *scene = s->table.scene;
   int status = ended ? complain(s, ended, where) : CLI_DONE;
@@ -254,7 +272,8 @@ static int finish(simulate *s, skf_status ended, const skf_run_failure *where) {
   if (s->output_status != CLI_DONE) status = s->output_status;
   if (s->kept && status == CLI_DONE && closed == CLI_DONE) status = checkpoint_complete(&s->keep);
   if (s->kept && ended == SKF_ERR_CANCELLED) cli_say("skelfield: to go on: --resume %s", s->keep.path);
-  if (keep && closed == CLI_DONE) run_summary_tell(&s->sum, scene, s->reports, cli_given(s->c, "json"));
+  if (keep && closed == CLI_DONE && !team_lost(&s->crew))
+    run_summary_tell(&s->sum, scene, s->reports, cli_given(s->c, "json"));
   return status != CLI_DONE ? status : closed;
 }
 
@@ -266,7 +285,8 @@ static int fly(simulate *s) {
                  sim->t_end,
                  sim->output_every,
                  {sim->integrator, sim->tolerance, 0, sim->contact, sim->restitution, sim->friction, sim->search, false,
-                  sim->step}};
+                  sim->step},
+                 &s->crew.link};
   skf_run_sink direct = {take_row, take_contact, s}, journal = {keep_row, keep_contact, s};
   skf_run_failure where = {0, 0};
   skf_runner *runner = NULL;
@@ -278,16 +298,22 @@ static int fly(simulate *s) {
   if (status == CLI_DONE && !over && !ended) {
     if (!s->kept) status = open_outputs(s);
     if (status == CLI_DONE) status = fly_on(s, runner, s->kept ? &journal : &direct, &ended, &where);
-    if (status == CLI_DONE) skf_runner_reports(runner, s->reports);
+    if (status == CLI_DONE) skf_runner_reports(runner, s->reports); /* or a process is lost */
   }
   skf_runner_free(runner);
   cli_progress_end();
+  if (!team_leads(&s->crew)) return status;
   if (status == CLI_DONE && !over && s->keep.journal && ended != SKF_ERR_IO) {
-    status = open_outputs(s);
+    status = open_own_outputs(s);
     skf_status written = status == CLI_DONE ? write_kept(s) : SKF_OK;
     if (written) ended = SKF_ERR_IO;
   }
   return status != CLI_DONE || over ? status : finish(s, ended, &where);
+}
+
+/* What all processes must have alike, and a run that goes on with the one that was saved. */
+static uint64_t identity(const simulate *s) {
+  return checkpoint_identity(s->table.scene, s->table.scene_path, s->world, s->starts);
 }
 
 static int keep_checkpoints(simulate *s) {
@@ -295,20 +321,36 @@ static int keep_checkpoints(simulate *s) {
   if (!path) path = cli_value(s->c, "resume");
   s->kept = path != NULL, s->every = 60;
   if (!path) return CLI_DONE;
-  s->keep = (checkpoint){.path = path, .particles = s->table.scene->particle_count};
-  s->keep.identity = checkpoint_identity(s->table.scene, s->table.scene_path, s->world, s->starts);
+  s->keep = (checkpoint){.path = path, .crew = &s->crew, .particles = s->table.scene->particle_count};
+  s->keep.identity = identity(s);
   return cli_number(s->c, "every-seconds", 0, &s->every);
 }
 
-static int run_with(const cli *c, const skf_scene *scene) {
-  simulate s = {.c = c, .table = {.scene = scene, .scene_path = cli_operand(c, 0)}};
-  int status = check(c, scene);
-  if (status == CLI_DONE) status = prepare(&s);
-  if (status == CLI_DONE) warn_inside(&s);
-  if (status == CLI_DONE) status = keep_checkpoints(&s);
-  if (status == CLI_DONE) status = fly(&s);
+static int ready(simulate *s, const skf_scene *scene) {
+  if (bodies_move(scene)) {
+    if (s->crew.size == 1) return CLI_DONE;
+    return cli_fail(CLI_BAD, "%s: bodies move, which %d processes cannot share, expected one", s->table.scene_path,
+                    s->crew.size);
+  }
+  s->table.scene = scene;
+  int status = check(s->c, scene);
+  if (status == CLI_DONE) status = prepare(s);
+  if (status == CLI_DONE) warn_inside(s);
+  return status == CLI_DONE ? keep_checkpoints(s) : status;
+}
+
+static int run(cli *c) {
+  skf_scene *scene = NULL;
+  simulate s = {.c = c, .table = {.scene_path = cli_operand(c, 0)}};
+  int status = team_join(&s.crew);
+  if (status != CLI_DONE) return status;
+  status = cli_scene(s.table.scene_path, &scene);
+  if (status == CLI_DONE) status = ready(&s, scene);
+  status = team_meet(&s.crew, status, status == CLI_DONE && s.crew.size > 1 ? identity(&s) + skf_isa_pick() : 0);
+  if (status == CLI_DONE) status = s.table.scene ? fly(&s) : run_bodies(c, scene);
   close_outputs(&s, false);
   checkpoint_close(&s.keep);
+  team_leave(&s.crew);
   skf_world_free(s.world);
   skf_geo_free(s.geo);
   free(s.starts);
@@ -316,13 +358,6 @@ static int run_with(const cli *c, const skf_scene *scene) {
   free(s.places);
   free(s.quantities);
   free(s.seen);
-  return status;
-}
-
-static int run(cli *c) {
-  skf_scene *scene;
-  int status = cli_scene(cli_operand(c, 0), &scene);
-  if (status == CLI_DONE) status = bodies_move(scene) ? run_bodies(c, scene) : run_with(c, scene);
   skf_scene_free(scene);
   return status;
 }
@@ -385,6 +420,12 @@ const cli_command cmd_simulate = {
     "     it ends, from the journal. What ended, even by kill -9, loses at most what was done since the last "
     "checkpoint.\n"
     "     The scene and the program must be the same; threads and outputs may differ.\n"
+    "processes: mpirun -n N skelfield simulate SCENE ... flies a share of the particles in each; the first process\n"
+    "     has the outputs, whose bytes are those of one process. Started with a checkpoint, a run may go on with "
+    "another\n"
+    "     number. mpirun kills a run one second after Ctrl-C: --mca odls_base_sigkill_timeout 60 gives it time to end\n"
+    "     in order. SKELFIELD_MPI=off in the environment: each process works by itself, on its own files.\n"
     "launch: a start on a body's ellipsoid; its speed is relative to the turning ground.\n"
     "example: skelfield simulate data/donut.yaml -o orbits.csv --contacts contacts.csv",
-    run};
+    run,
+    true};

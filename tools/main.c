@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The program: a table of commands. */
 #include "cli_private.h"
+#include "team.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <omp.h>
@@ -63,9 +64,16 @@ static int help(int argc, char **argv) {
   return CLI_DONE;
 }
 
+/* Processes on one machine share its cores. */
+static void default_threads(void) {
+  int neighbours = team_neighbours(), share = (int)sysconf(_SC_NPROCESSORS_ONLN) / neighbours;
+  if (share > omp_get_num_procs()) share = omp_get_num_procs(); /* the launcher has bound it to some of them */
+  if (neighbours > 1 && !getenv("OMP_NUM_THREADS")) omp_set_num_threads(share > 1 ? share : 1);
+}
+
 static int threads(const cli *c) {
   const char *text = cli_value(c, "threads");
-  if (!text) return CLI_DONE;
+  if (!text) return default_threads(), CLI_DONE;
   char *end;
   errno = 0;
   long n = strtol(text, &end, 10);
@@ -80,6 +88,12 @@ static int run(const cli_command *command, int argc, char **argv) {
   int status = cli_parse(&c, command, argc, argv);
   if (status == CLI_DONE && cli_given(&c, "help")) return cli_help_command(stdout, command), CLI_DONE;
   if (status == CLI_DONE) status = threads(&c);
+  int rank, size = team_launched(&rank);
+  if (status == CLI_DONE && size > 1 && !command->shares)
+    status = cli_fail(CLI_BAD,
+                      "%s: one of %d processes of an MPI launcher, but only simulate shares its work, expected one "
+                      "process (SKELFIELD_MPI=off lets each work by itself)",
+                      command->name, size);
   if (status != CLI_DONE) return status;
   cli_signals();
   status = command->run(&c);
@@ -90,10 +104,13 @@ static int run(const cli_command *command, int argc, char **argv) {
 
 int main(int argc, char **argv) {
   reserve_streams();
-  if (argc < 2) return cli_fail(CLI_BAD, "no command (skelfield --help lists them)");
-  const char *first = argv[1];
-  int status = CLI_DONE;
-  if (strcmp(first, "--help") == 0 || strcmp(first, "-h") == 0) {
+  const char *first = argc > 1 ? argv[1] : NULL;
+  int status = CLI_DONE, rank;
+  team_launched(&rank);
+  if (rank > 0) cli_mute(); /* the first process speaks for all */
+  if (!first) {
+    status = cli_fail(CLI_BAD, "no command (skelfield --help lists them)");
+  } else if (strcmp(first, "--help") == 0 || strcmp(first, "-h") == 0) {
     cli_help_program(stdout);
   } else if (strcmp(first, "--version") == 0) {
     printf("skelfield %s\n", skf_version());
@@ -105,5 +122,5 @@ int main(int argc, char **argv) {
     const cli_command *command = find(first);
     status = command ? run(command, argc - 2, argv + 2) : bad_command(first);
   }
-  return flush(status);
+  return rank > 0 ? CLI_DONE : flush(status);
 }

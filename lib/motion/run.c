@@ -254,8 +254,8 @@ skf_status skf_runner_new(const skf_world *world, const skf_run *run, skf_runner
   *out = NULL;
   double start = run->count ? run->start[0].t : run->t_end;
   if (!isfinite(run->t_end) || run->t_end < start || !(run->every >= 0)) return SKF_ERR_ARG;
-  if (run->team && (run->team->rank >= run->team->size || !run->team->send || !run->team->receive)) return SKF_ERR_ARG;
   const skf_team team = run->team ? *run->team : (skf_team){.size = 1};
+  if (team.rank >= team.size || (team.size > 1 && (!team.send || !team.receive))) return SKF_ERR_ARG;
   skf_runner *r = skf_alloc(1, sizeof *r);
   if (!r) return skf_team_agree(&team, SKF_ERR_NOMEM, NULL);
   omp_init_lock(&r->watching);

@@ -52,7 +52,7 @@ static skf_status send_window(skf_runner *r) {
   for (int i = 0; i < r->threads && !s; i++) {
     uint64_t count = r->logs[i].count;
     s = t->send(t->user, 0, &count, sizeof count);
-    if (!s && count) s = t->send(t->user, 0, r->logs[i].entries, count * sizeof *r->logs[i].entries);
+    for (size_t k = 0; k < count && !s; k++) s = t->send(t->user, 0, r->logs[i].entries + k, sizeof(skf_log_entry));
     r->logs[i].count = 0;
   }
   uint64_t end = UINT64_MAX;

@@ -263,11 +263,11 @@ SKF_API skf_status skf_world_touch(const skf_world *world, const skf_ballistic *
    are. All make the same calls with the same world, run and options in the same order; functions of runs are then
    meetings of all, and every one returns the same status. The one of rank 0 alone has the sink, receives the others'
    rows and contacts and writes and reads what is saved. A progress that asks to stop stops its own process, the others
-   at the end of their window unless theirs ask, too. Messages between two processes arrive in order; both functions
-   may wait, are called by one thread at a time, outside of parallel regions, and end the run by another status than
-   SKF_OK, which others may not learn of. */
+   at the end of their window unless theirs ask, too. A message is received by one call with its n, in order; both
+   functions may wait, are called by one thread at a time, outside of parallel regions, and end the run by another
+   status than SKF_OK, which others may not learn of. */
 typedef struct skf_team {
-  size_t rank, size; /* rank < size */
+  size_t rank, size; /* rank < size; of size 1 it needs no functions */
   skf_status (*send)(void *user, size_t to, const void *bytes, size_t n);
   skf_status (*receive)(void *user, size_t from, void *bytes, size_t n);
   void *user;

@@ -38,6 +38,6 @@ else
 fi
 
 # Picture codecs and CGAL are not loaded with the program: it starts for every point that is evaluated.
-libraries() { ldd "$SKF_PROGRAM" | grep -E 'opencv|gdal|CGAL|hdf5'; }
+libraries() { ldd "$SKF_PROGRAM" | grep -E 'opencv|gdal|CGAL|hdf5|libmpi'; }
 expect "heavy libraries are not linked" eval '! libraries'
 tap_done

@@ -6,7 +6,7 @@ set -u
 
 needed=$(ldd "$1" | awk '$1 ~ /\.so/ { print $1 }' | grep -vE 'asan|ubsan|linux-vdso')
 few() { [ "$(echo "$needed" | wc -l)" -le 14 ] || ! echo "$needed"; }
-light() { ! echo "$needed" | grep -E 'hdf5|opencv|curl|ssl|freetype'; }
+light() { ! echo "$needed" | grep -E 'hdf5|opencv|curl|ssl|freetype|mpi'; }
 check "at most 14 libraries are loaded at the start" few
-check "none of HDF5, OpenCV or FreeType is among them" light
+check "none of HDF5, OpenCV, FreeType or MPI is among them" light
 tap_done

@@ -20,22 +20,34 @@ typedef struct member {
   skf_status status, saved;
 } member;
 
-static skf_status send_to(void *user, size_t to, const void *data, size_t n) {
+static skf_status put_all(int fd, const void *data, size_t n) {
   for (const char *p = data; n > 0;) {
-    ssize_t k = write(((member *)user)->to[to][1], p, n);
+    ssize_t k = write(fd, p, n);
     if (k <= 0) return SKF_ERR_IO;
     p += k, n -= (size_t)k;
   }
   return SKF_OK;
 }
 
-static skf_status receive_from(void *user, size_t from, void *data, size_t n) {
+static skf_status get_all(int fd, void *data, size_t n) {
   for (char *p = data; n > 0;) {
-    ssize_t k = read(((member *)user)->from[from][0], p, n);
+    ssize_t k = read(fd, p, n);
     if (k <= 0) return SKF_ERR_IO;
     p += k, n -= (size_t)k;
   }
   return SKF_OK;
+}
+
+/* Messages, not a stream: one call takes what one call has sent. */
+static skf_status send_to(void *user, size_t to, const void *data, size_t n) {
+  int fd = ((member *)user)->to[to][1];
+  return put_all(fd, &n, sizeof n) || put_all(fd, data, n) ? SKF_ERR_IO : SKF_OK;
+}
+
+static skf_status receive_from(void *user, size_t from, void *data, size_t n) {
+  int fd = ((member *)user)->from[from][0];
+  size_t sent;
+  return get_all(fd, &sent, sizeof sent) || sent != n || get_all(fd, data, n) ? SKF_ERR_PARSE : SKF_OK;
 }
 
 static int patient(void *user, double done) {
