@@ -53,8 +53,18 @@ static int tick_count(const chart *c, double length, double apart) {
   return n < 2 ? 2 : n > 9 ? 9 : n;
 }
 
-static ticks x_ticks(const chart *c) { return ticks_linear(c->x0, c->x1, tick_count(c, c->right - c->left, 5)); }
-static ticks y_ticks(const chart *c) { return ticks_linear(c->y0, c->y1, tick_count(c, c->bottom - c->top, 3.2)); }
+static ticks degree_ticks(double lo, double hi, double length, const chart *c) {
+  return ticks_degrees(lo, hi, (int)(length / (4 * c->em)));
+}
+
+static ticks x_ticks(const chart *c) {
+  if (c->degrees) return degree_ticks(c->x0, c->x1, c->right - c->left, c);
+  return ticks_linear(c->x0, c->x1, tick_count(c, c->right - c->left, 5));
+}
+static ticks y_ticks(const chart *c) {
+  if (c->degrees) return degree_ticks(c->y0, c->y1, c->bottom - c->top, c);
+  return ticks_linear(c->y0, c->y1, tick_count(c, c->bottom - c->top, 3.2));
+}
 
 static double widest(const chart *c, const ticks *t) {
   double w = 0;

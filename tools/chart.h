@@ -32,6 +32,7 @@ typedef struct chart {
   double em;                                    /* size of the tick labels [pixels] */
   double left, top, right, bottom;              /* box of the axes [pixels]; whole numbers */
   double x0, x1, y0, y1;                        /* what the box shows */
+  bool degrees;                                 /* it shows angles [deg] */
   unsigned char busy[CHART_CELLS][CHART_CELLS]; /* what parts of the box hold */
 } chart;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* skelfield simulate: particles in the gravity of a scene's bodies. */
 #include "checkpoint.h"
+#include "contact_map.h"
 #include "launch.h"
 #include "run_bodies.h"
 #include "run_summary.h"
@@ -32,6 +33,7 @@ typedef struct simulate {
   void *trajectory;
   cli_out contacts;
   bool log;
+  contact_map map; /* where they lie on a body */
   int output_status;
   run_summary sum;
   bool kept; /* with checkpoints */
@@ -74,6 +76,7 @@ static skf_contact seen_contact(const simulate *s, const skf_contact *c) {
 static skf_status take_contact(void *user, const skf_contact *c) {
   simulate *s = user;
   skf_contact in;
+  if (contact_map_wanted(&s->map)) contact_map_add(&s->map, c);
   if (s->seen) in = seen_contact(s, c), c = &in;
   s->sum.contacts++;
   if (s->log) contact_row(s->contacts.file, s->table.scene, c);
@@ -154,6 +157,7 @@ static int prepare(simulate *s) {
     s->places = calloc(scene->particle_count, sizeof *s->places);
     if (!s->places) return cli_fail(CLI_FAILED, "out of memory");
   }
+  if (status == CLI_DONE) status = contact_map_new(&s->map, s->c, scene, s->world);
   s->table.invariants = cli_given(s->c, "invariants");
   if (s->table.invariants) s->quantities = calloc(scene->particle_count, sizeof *s->quantities);
   s->reports = calloc(scene->particle_count, sizeof *s->reports);
@@ -169,6 +173,8 @@ static int open_own_outputs(simulate *s) {
   if (status != CLI_DONE) return status;
   s->log = contacts != NULL;
   if (s->log) contact_header(s->contacts.file);
+  status = contact_map_open(&s->map);
+  if (status != CLI_DONE) return status;
   return s->writer->open(&s->trajectory, path, &s->table);
 }
 
@@ -184,7 +190,8 @@ static int close_outputs(simulate *s, bool keep) {
   keep = keep && status == CLI_DONE;
   if (s->log && keep) log = cli_out_commit(&s->contacts);
   if (s->log && !keep) cli_out_abort(&s->contacts);
-  return status != CLI_DONE ? status : log;
+  int map = contact_map_close(&s->map, keep && log == CLI_DONE);
+  return status != CLI_DONE ? status : log != CLI_DONE ? log : map;
 }
 
 /* Says how a run ended early. */
@@ -350,6 +357,7 @@ static int run(cli *c) {
   if (status == CLI_DONE) status = s.table.scene ? fly(&s) : run_bodies(c, scene);
   close_outputs(&s, false);
   checkpoint_close(&s.keep);
+  contact_map_free(&s.map);
   team_leave(&s.crew);
   skf_world_free(s.world);
   skf_geo_free(s.geo);
@@ -368,7 +376,7 @@ static const cli_option options[] = {
     {'g', "ground-track", "BODY", "add lat, lon [deg] and height over this body's ellipsoid, in its turning frame"},
     {'i', "invariants", NULL, "add energy, Jacobi constant and angular momentum of each particle to each row"},
     {'f', "frame", "FRAME", "of rows and contacts: inertial, or body, which turns (default: the scene's, inertial)"},
-    {'b', "bodies", "FILE", "rows of the bodies that move, CSV (default: stdout)"},
+    CONTACT_MAP_OPTIONS{'b', "bodies", "FILE", "rows of the bodies that move, CSV (default: stdout)"},
     {'k', "checkpoint", "FILE", "keep the run's state there (and rows in FILE.journal), now and then and on Ctrl-C"},
     {'s', "every-seconds", "S", "between two checkpoints (default: 60)"},
     {'r', "resume", "FILE", "go on from that checkpoint; with --checkpoint of the same name begin if there is none"},
@@ -408,6 +416,13 @@ const cli_command cmd_simulate = {
     "     absorb  is gone: no rows at or after that time (HDF5: NaN)\n"
     "     pass    flies through, told at each entry\n"
     "     A particle that starts inside of a body flies freely until it leaves it.\n"
+    "contact map: contacts with one body, bounces and passes too, by latitude and longitude in its own frame, spin "
+    "taken\n"
+    "     out: geodetic on its ellipsoid, or else those of the direction from a centre: poles on the axis of spin (or\n"
+    "     along z), centre at the middle of the skeleton (there on the axis). A donut or a star has several places in\n"
+    "     one direction: they share a bin. Bins are about equally large, fewer towards the poles; speed is that\n"
+    "     relative to the ground, mean of the bin, nan without contacts.\n"
+    "     table: lat_min,lat_max,lon_min,lon_max,count,speed, from the south, then the west [deg]\n"
     "search: certified misses no contact and invents none, up to rounding; fast takes eight samples in a step and\n"
     "     promises nothing for what is thinner\n"
     "bodies: t,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz: center of mass, attitude (a quaternion; a point p of the\n"

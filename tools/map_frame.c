@@ -11,8 +11,7 @@ static void include(double range[2], double v) {
   range[0] = fmin(range[0], v), range[1] = fmax(range[1], v);
 }
 
-/* The skeleton's bounds, and where they are infinite a plane's point. */
-static skf_box skeleton_box(const skf_body *body) {
+skf_box map_skeleton_box(const skf_body *body) {
   skf_box all = box_empty();
   for (size_t i = 0; i < body->element_count; i++) {
     const skf_primitive *p = &body->elements[i].primitive;
@@ -61,7 +60,7 @@ void map_frame(const skf_scene *scene, map_plane plane, double x[2], double y[2]
     const skf_body *body = scene->bodies + i;
     skf_box box;
     bool bounded = skf_field_region(body->field, body->iso, &box) == SKF_OK;
-    if (!bounded) box = skeleton_box(body);
+    if (!bounded) box = map_skeleton_box(body);
     map_grid g = {.plane = plane, .nx = COARSE, .ny = COARSE};
     g.x0 = v3_get(box.lo, plane.u), g.x1 = v3_get(box.hi, plane.u);
     g.y0 = v3_get(box.lo, plane.v), g.y1 = v3_get(box.hi, plane.v);

@@ -43,6 +43,9 @@ void map_grid_free(map_grid *g);
    absent, to the skeleton. */
 void map_frame(const skf_scene *scene, map_plane plane, double x[2], double y[2]);
 
+/* The skeleton's bounds with room around them; of a plane its point. */
+skf_box map_skeleton_box(const skf_body *body);
+
 /* The range to show: that of the finite values, less what stands out near singularities. NaN ends are chosen. */
 void map_range(const double *value, size_t n, bool log, double lo, double hi, color_scale *out);
 

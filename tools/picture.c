@@ -41,6 +41,10 @@ int picture_format(const cli *c, const skf_picture_format **out) {
     *out = skf_picture_format_get(0);
     return CLI_DONE;
   }
+  return picture_format_of(path, out);
+}
+
+int picture_format_of(const char *path, const skf_picture_format **out) {
   *out = skf_picture_format_find(path);
   if (*out) return CLI_DONE;
   char list[256] = "";

@@ -12,6 +12,7 @@ int picture_size(const cli *c, int *width, int *height);
 int picture_numbers(const cli *c, const char *option, int count, double *out);
 /* The format of -o, png for stdout; *out is NULL after the message. */
 int picture_format(const cli *c, const skf_picture_format **out);
+int picture_format_of(const char *path, const skf_picture_format **out);
 /* Loads the drawing module; CLI_FAILED after the message. */
 int picture_module(const skf_plot **out);
 /* Writes the bytes of an encoded picture to -o. Takes the bytes. */

@@ -27,6 +27,9 @@ static int check(const cli *c, const skf_scene *scene) {
     return cli_fail(CLI_BAD, "%s: no simulation, expected one with t_end and output_every", path);
   if (scene->particle_count)
     return cli_fail(CLI_BAD, "%s: particles among bodies that move, expected either of them", path);
+  static const char *const maps[] = {"contact-map", "contact-bins", "map-body", "map-step", "map-quantity"};
+  for (size_t i = 0; i < sizeof maps / sizeof *maps; i++)
+    if (cli_given(c, maps[i])) return cli_fail(CLI_BAD, "%s: bodies move, expected no --%s", path, maps[i]);
   if (cli_given(c, "checkpoint") || cli_given(c, "resume") || cli_given(c, "every-seconds"))
     return cli_fail(CLI_BAD, "%s: bodies move, expected no --checkpoint and no --resume", path);
   if (cli_given(c, "output") || cli_given(c, "ground-track") || cli_given(c, "json"))

@@ -50,6 +50,18 @@ ticks ticks_linear(double lo, double hi, int about) {
   return t;
 }
 
+ticks ticks_degrees(double lo, double hi, int about) {
+  static const int steps[] = {1, 2, 5, 10, 15, 30, 45, 90}, minor[] = {1, 1, 1, 5, 5, 10, 15, 30};
+  enum { STEPS = sizeof steps / sizeof *steps };
+  int i = 0;
+  while (i < STEPS && (hi - lo) / steps[i] > about + 1) i++;
+  if (i == 0 || i == STEPS) return ticks_linear(lo, hi, about);
+  ticks t = {.step = steps[i]};
+  t.count = multiples(lo, hi, steps[i], 0, t.at, TICKS_MAX);
+  t.minor_count = multiples(lo, hi, minor[i], 0, t.minor, sizeof t.minor / sizeof *t.minor);
+  return t;
+}
+
 ticks ticks_log(double lo, double hi, int about) {
   ticks t = {0};
   int first = (int)floor(log10(lo)), last = (int)ceil(log10(hi));

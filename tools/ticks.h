@@ -18,6 +18,8 @@ typedef struct ticks {
 
 /* At least two ticks, about `about`, with a step of 1, 2 or 5 times a power of ten. lo < hi, both finite. */
 ticks ticks_linear(double lo, double hi, int about);
+/* Angles: steps that divide 90, or 1, 2, 5 times a power of ten below 1 degree. */
+ticks ticks_degrees(double lo, double hi, int about);
 /* Powers of ten, or 1, 2, 5 times powers of ten where the range is short. 0 < lo < hi. */
 ticks ticks_log(double lo, double hi, int about);
 

@@ -45,6 +45,23 @@ static void steps_are_round(void **state) {
         }
 }
 
+static void angles_have_their_own_steps(void **state) {
+  (void)state;
+  const struct {
+    double lo, hi, step;
+    int about, count;
+  } cases[] = {
+      {-180, 180, 30, 12, 13}, {-90, 90, 45, 4, 5}, {-180, 180, 90, 4, 5}, {-90, 90, 15, 12, 13}, {0, 40, 5, 8, 9}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    ticks t = ticks_degrees(cases[i].lo, cases[i].hi, cases[i].about);
+    assert_true(t.step == cases[i].step);
+    assert_int_equal(t.count, cases[i].count);
+    assert_true(t.at[0] == cases[i].lo && t.at[t.count - 1] == cases[i].hi);
+    assert_true(t.minor_count > t.count);
+  }
+  assert_true(ticks_degrees(0, 0.4, 8).step == 0.05);
+}
+
 static void logarithmic_ticks(void **state) {
   (void)state;
   ticks t = ticks_log(0.5, 2e6, 8);
@@ -149,9 +166,9 @@ static void holes_and_infinities(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(steps_are_round),      cmocka_unit_test(logarithmic_ticks),
-      cmocka_unit_test(numbers_in_words),     cmocka_unit_test(lines_lie_on_their_level),
-      cmocka_unit_test(holes_and_infinities),
+      cmocka_unit_test(steps_are_round),          cmocka_unit_test(angles_have_their_own_steps),
+      cmocka_unit_test(logarithmic_ticks),        cmocka_unit_test(numbers_in_words),
+      cmocka_unit_test(lines_lie_on_their_level), cmocka_unit_test(holes_and_infinities),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
