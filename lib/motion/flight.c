@@ -1,52 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* One particle: steps, contacts, and what becomes of it. */
-#include "motion/flight.h"
+#include "motion/flight_inside.h"
 #include "core/alloc.h"
-#include "motion/contact.h"
-#include "motion/integrator.h"
 #include "motion/scout.h"
-#include "motion/view.h"
 #include <float.h>
 #include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
 /* The first step is this share of the shorter of the times that it takes to cross or to fall the world's length. */
 #define FIRST_STEP 0.01
 /* A particle that touches this often without time going on is wedged: it rests. */
 #define WEDGED 8
-
-typedef enum fate { FLIES, STOPPED, RIDES, ABSORBED } fate;
-
-/* The closest approach so far. */
-typedef struct nearest {
-  skf_sight best;
-  skf_approach is;
-} nearest;
-
-struct skf_flight {
-  const skf_world *world;
-  skf_flight_options options;
-  const skf_integrator_ops *ops;
-  bool blind; /* to joins, which there are: steps of one length pass over them */
-  void *work;
-  skf_ode ode;
-  nearest *near; /* of each body, or NULL; kept by skf_flight_save, too */
-  /* From here on: what skf_flight_save keeps. */
-  skf_orbit orbit; /* at the end of the last step, after its contact */
-  skf_clock from;  /* start of the last step */
-  skf_path path;   /* of the last step, where there was one */
-  bool dense;      /* it is known */
-  fate fate;
-  size_t body;          /* that it rides on, or on whose surface it starts; SIZE_MAX: none */
-  skf_vec3 seat;        /* its place on that body */
-  bool sliding, within; /* within: it is on the surface of `body` on its way in */
-  int wedged;
-  skf_invariants reference; /* since the last contact */
-  double momentum_scale;
-  uint64_t zone; /* of a blind flight */
-  skf_flight_report report;
-};
 
 static bool sound(const skf_flight_options *o, bool adaptive) {
   if (!(o->tolerance > 0 && o->tolerance <= 0.1) || !(o->max_step > 0)) return false;
@@ -81,24 +45,26 @@ static double momentum_size(const skf_flight *f, skf_vec3 x, skf_vec3 v) {
 }
 
 static void take_reference(skf_flight *f) {
+  if (f->together) return;
   f->reference = skf_world_invariants_at(f->world, f->orbit.t, f->orbit.x, f->orbit.v);
   f->momentum_scale = momentum_size(f, f->orbit.x, f->orbit.v);
 }
 
-static double worse(double drift, double now, double before, double scale) {
+double skf_drift_worse(double drift, double now, double before, double scale) {
   double d = fabs(now - before) / scale;
   if (now == before) d = 0;
   return isnan(d) ? drift : isnan(drift) ? d : fmax(drift, d);
 }
 
 static void compare(const skf_flight *f, skf_vec3 x, skf_vec3 v, skf_clock t, skf_flight_report *r) {
+  if (f->together) return;
   skf_invariants k = skf_world_invariants_at(f->world, t, x, v);
   const skf_invariants *a = &f->reference;
   double scale = fmax(k.scale, a->scale);
-  r->energy_drift = worse(r->energy_drift, k.energy, a->energy, scale);
-  r->jacobi_drift = worse(r->jacobi_drift, k.jacobi, a->jacobi, scale);
+  r->energy_drift = skf_drift_worse(r->energy_drift, k.energy, a->energy, scale);
+  r->jacobi_drift = skf_drift_worse(r->jacobi_drift, k.jacobi, a->jacobi, scale);
   scale = fmax(momentum_size(f, x, v), f->momentum_scale); /* either may be at rest */
-  r->momentum_drift = worse(r->momentum_drift, k.axial_momentum, a->axial_momentum, scale);
+  r->momentum_drift = skf_drift_worse(r->momentum_drift, k.axial_momentum, a->axial_momentum, scale);
 }
 
 /* Whether a blind flight has passed a join since it was last asked. */
@@ -191,8 +157,7 @@ static skf_outcome resolve(skf_flight *f, const skf_world_body *b, skf_contact *
   }
 }
 
-/* Cuts the last step at the contact. *silent: a further hop of a slide, not told again. */
-static skf_status touch(skf_flight *f, const skf_touch *at, skf_contact *c, bool *silent) {
+skf_status skf_flight_touch(skf_flight *f, const skf_touch *at, skf_contact *c, bool *silent) {
   const skf_world_body *b = f->world->bodies + at->body;
   skf_clock t = clock_add(f->path.t0, at->s * f->path.h);
   skf_vec3 x = skf_path_position(&f->path, at->s), v = skf_path_velocity(&f->path, at->s);
@@ -208,26 +173,28 @@ static skf_status touch(skf_flight *f, const skf_touch *at, skf_contact *c, bool
   f->orbit.v = c->after;
   f->report.contacts += !*silent;
   if (c->outcome == SKF_OUTCOME_BOUNCE || f->sliding || f->within) return restart(f);
-  f->fate = c->outcome == SKF_OUTCOME_STOP ? STOPPED : c->outcome == SKF_OUTCOME_ABSORB ? ABSORBED : RIDES;
+  f->fate = c->outcome == SKF_OUTCOME_STOP     ? SKF_FATE_STOPPED
+            : c->outcome == SKF_OUTCOME_ABSORB ? SKF_FATE_ABSORBED
+                                               : SKF_FATE_RIDES;
   skf_turn r = skf_turn_at(b, t);
   f->seat = skf_turn_point(&r, -1, x);
   return SKF_OK;
 }
 
-static double longest_step(const skf_flight *f, const skf_orbit *at) {
+double skf_flight_longest(const skf_flight *f, const skf_orbit *at) {
   if (!f->world->grainy) return f->options.max_step;
   double leap = skf_world_leap(f->world, at->x);
   return fmin(f->options.max_step, leap / v3_norm(at->v)); /* at rest: infinity */
 }
 
-static skf_status know_path(skf_flight *f) {
+skf_status skf_flight_know_path(skf_flight *f) {
   if (f->dense) return SKF_OK;
   skf_status s = f->ops->dense(f->work, &f->ode, &f->path);
   f->dense = s == SKF_OK;
   return s;
 }
 
-static skf_touch look_for_contact(skf_flight *f) {
+skf_touch skf_flight_look(skf_flight *f) {
   if (f->options.contact == SKF_CONTACT_NONE) return (skf_touch){.found = false};
   skf_search_report search = {0};
   skf_hunt hunt = {&f->path, 0, 1, f->body, f->within ? 1 : -1, f->options.search == SKF_SEARCH_FAST};
@@ -240,7 +207,7 @@ static skf_touch look_for_contact(skf_flight *f) {
 /* Along the last step up to s_end. */
 static void watch(skf_flight *f, double s_end) {
   for (size_t i = 0; i < f->world->n; i++) {
-    nearest *n = f->near + i;
+    skf_nearest *n = f->near + i;
     skf_view v = skf_view_of(f->world, i, &f->path);
     double before = n->best.f;
     skf_view_summit(&v, 0, s_end, &n->best);
@@ -255,29 +222,33 @@ skf_status skf_flight_approach(const skf_flight *f, size_t body, skf_approach *o
   return *out = f->near[body].is, SKF_OK;
 }
 
-skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
-  skf_step_control control = {f->options.tolerance, longest_step(f, &f->orbit), f->options.step};
-  if (touched) *touched = false;
-  if (f->fate != FLIES) return SKF_OK;
-  skf_orbit before = f->orbit;
-  skf_status s = f->ops->step(f->work, &f->ode, &control, &f->orbit, &f->report.rejected);
-  if (s) return s;
-  double h = clock_since(f->orbit.t.hi, before.t) + f->orbit.t.lo;
+void skf_flight_moved(skf_flight *f, const skf_orbit *before) {
+  double h = clock_since(f->orbit.t.hi, before->t) + f->orbit.t.lo;
   f->report.steps++;
   f->report.h_min = fmin(f->report.h_min, h);
   f->report.h_max = fmax(f->report.h_max, h);
-  f->from = before.t;
+  f->from = before->t;
   f->dense = false;
   f->report.joins += f->blind && passes_join(f);
-  if (f->options.contact == SKF_CONTACT_NONE && !f->near) return SKF_OK;
-  s = know_path(f);
+}
+
+skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
+  skf_step_control control = {f->options.tolerance, skf_flight_longest(f, &f->orbit), f->options.step};
+  if (touched) *touched = false;
+  if (f->fate != SKF_FATE_FLIES) return SKF_OK;
+  skf_orbit before = f->orbit;
+  skf_status s = f->ops->step(f->work, &f->ode, &control, &f->orbit, &f->report.rejected);
   if (s) return s;
-  skf_touch at = look_for_contact(f);
+  skf_flight_moved(f, &before);
+  if (f->options.contact == SKF_CONTACT_NONE && !f->near) return SKF_OK;
+  s = skf_flight_know_path(f);
+  if (s) return s;
+  skf_touch at = skf_flight_look(f);
   if (f->near && f->report.contacts == 0) watch(f, at.found ? at.s : 1);
   if (!at.found) return SKF_OK;
   skf_contact c;
   bool silent;
-  s = touch(f, &at, &c, &silent);
+  s = skf_flight_touch(f, &at, &c, &silent);
   if (contact) *contact = c;
   if (touched) *touched = !silent;
   return s;
@@ -293,8 +264,9 @@ skf_status skf_flights_pass(skf_flight *const *flights, size_t n, double t, skf_
   for (size_t i = 0; i < n; i++) {
     skf_flight *f = flights[i];
     bool moves = f->orbit.t.hi < t && !status[i];
-    lanes[i] = (skf_lane){f->work,      &f->orbit, &f->from, &f->report, &f->ode.evaluations, f->options.tolerance,
-                          longest_step, f,         status[i]};
+    lanes[i] = (skf_lane){
+        f->work, &f->orbit, &f->from, &f->report, &f->ode.evaluations, f->options.tolerance, skf_flight_longest,
+        f,       status[i]};
     if (moves) f->dense = false;
   }
   if (n) flights[0]->ops->pass(&flights[0]->ode, lanes, n, t);
@@ -304,13 +276,13 @@ skf_status skf_flights_pass(skf_flight *const *flights, size_t n, double t, skf_
 
 void skf_flight_span(const skf_flight *f, double *from, double *to) {
   *from = f->from.hi;
-  *to = f->fate == FLIES ? f->orbit.t.hi : INFINITY;
+  *to = f->fate == SKF_FATE_FLIES ? f->orbit.t.hi : INFINITY;
 }
 
-static skf_state seated(const skf_flight *f, double t) {
+skf_state skf_flight_seated(const skf_flight *f, double t) {
   skf_state s = {t, f->orbit.x, {0, 0, 0}};
-  if (f->fate == STOPPED) return s;
-  if (f->fate == ABSORBED) return (skf_state){t, {NAN, NAN, NAN}, {NAN, NAN, NAN}};
+  if (f->fate == SKF_FATE_STOPPED) return s;
+  if (f->fate == SKF_FATE_ABSORBED) return (skf_state){t, {NAN, NAN, NAN}, {NAN, NAN, NAN}};
   const skf_world_body *b = f->world->bodies + f->body;
   skf_turn r = skf_turn_at(b, (skf_clock){t, 0});
   s.position = skf_turn_point(&r, 1, f->seat);
@@ -322,12 +294,12 @@ skf_status skf_flight_at(skf_flight *f, double t, skf_state *out) {
   double from, to;
   skf_flight_span(f, &from, &to);
   if (!(t >= from && t <= to)) return SKF_ERR_RANGE;
-  if (f->fate != FLIES && t >= f->orbit.t.hi) return *out = seated(f, t), SKF_OK;
+  if (f->fate != SKF_FATE_FLIES && t >= f->orbit.t.hi) return *out = skf_flight_seated(f, t), SKF_OK;
   if (t == f->orbit.t.hi) {
     *out = (skf_state){t, v3_add(f->orbit.x, f->orbit.x_low), v3_add(f->orbit.v, f->orbit.v_low)};
     return SKF_OK;
   }
-  skf_status s = know_path(f);
+  skf_status s = skf_flight_know_path(f);
   if (s) return s;
   double u = clock_since(t, f->path.t0) / f->path.h;
   *out = (skf_state){t, skf_path_position(&f->path, u), skf_path_velocity(&f->path, u)};
@@ -337,7 +309,7 @@ skf_status skf_flight_at(skf_flight *f, double t, skf_state *out) {
 skf_flight_report skf_flight_get_report(const skf_flight *f) {
   skf_flight_report r = f->report;
   r.evaluations = f->ode.evaluations;
-  if (f->fate == FLIES)
+  if (f->fate == SKF_FATE_FLIES)
     compare(f, v3_add(f->orbit.x, f->orbit.x_low), v3_add(f->orbit.v, f->orbit.v_low), f->orbit.t, &r);
   return r;
 }

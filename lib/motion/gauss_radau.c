@@ -2,11 +2,11 @@
 /* 15th-order Gauss-Radau predictor-corrector for x'' = a(t, x) [Everhart 1985; Rein & Spiegel 2015, "IAS15"]: on a step
    a(s) = a0 + sum_k b_k s^(k+1) is the polynomial through eight Radau nodes, found by fixed-point iteration from the
    previous step's extrapolation, and summed with the rounding errors kept. */
-#include "motion/integrator.h"
+#include "motion/gauss_radau.h"
 #include <float.h>
 #include <string.h>
 
-enum { NODES = 8, TERMS = 7, MAX_ITERATIONS = 12 };
+enum { NODES = SKF_RADAU_NODES, TERMS = SKF_RADAU_TERMS };
 
 /* Roots of (P_7 + P_8)(2 s - 1) [Everhart 1985], computed at 60 digits. */
 static const double node[NODES] = {0.0,
@@ -62,20 +62,8 @@ static const double binomial[TERMS][TERMS] = {
 #define LAST_TERM 1e4
 /* Margin of the check at the end of the step, in tolerances and in rounding errors. */
 #define JOIN 64
-/* A step is refused when its error asks for less than this share of it. */
-#define REFUSE 0.5
-
-typedef struct gauss_radau {
-  double h, done;              /* next step, last step (0: none) */
-  skf_vec3 a0;                 /* acceleration at the start of the next step */
-  double noise;                /* rounding error of accelerations, from some of the nodes */
-  skf_vec3 b[TERMS], e[TERMS]; /* of the last step, and what had been predicted for it */
-  skf_orbit from;              /* start of the last step */
-  skf_vec3 from_a;
-} gauss_radau;
-
 static skf_status begin(void *work, skf_ode *ode, const skf_orbit *at, double h) {
-  gauss_radau *w = work;
+  skf_gauss_radau *w = work;
   memset(w, 0, sizeof *w);
   w->h = h;
   return skf_ode_feel(ode, at->t, v3_add(at->x, at->x_low), v3_add(at->v, at->v_low), &w->a0, &w->noise)
@@ -83,9 +71,11 @@ static skf_status begin(void *work, skf_ode *ode, const skf_orbit *at, double h)
              : SKF_ERR_CONVERGENCE;
 }
 
+double skf_radau_node(int n) { return node[n]; }
+
 /* The last step's polynomial, continued over a step q times as long, and corrected by how far the last prediction was
    off. */
-static void predict(const gauss_radau *w, double q, skf_vec3 b[TERMS], skf_vec3 e[TERMS]) {
+static void predict(const skf_gauss_radau *w, double q, skf_vec3 b[TERMS], skf_vec3 e[TERMS]) {
   if (w->done == 0 || q > 20) { /* too far to extrapolate */
     memset(b, 0, TERMS * sizeof *b);
     memset(e, 0, TERMS * sizeof *e);
@@ -100,45 +90,6 @@ static void predict(const gauss_radau *w, double q, skf_vec3 b[TERMS], skf_vec3 
   }
 }
 
-/* h v s + h^2 s^2 (a0 / 2 + sum b_k s^(k+1) / ((k+2)(k+3))) */
-static skf_vec3 displacement(const skf_vec3 b[TERMS], skf_vec3 a0, skf_vec3 v, double h, double s) {
-  skf_vec3 r = {0, 0, 0};
-  for (int k = TERMS; k-- > 0;) r = v3_mad(v3_scale(twice[k], b[k]), s, r);
-  r = v3_mad(v3_scale(0.5, a0), s, r);
-  return v3_scale(s * h, v3_mad(v, s * h, r));
-}
-
-static double largest(skf_vec3 a) { return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z))); }
-
-/* v + h s (a0 + sum b_k s^(k+1) / (k+2)) */
-static skf_vec3 velocity(const gauss_radau *w, const skf_vec3 b[TERMS], double h, double s) {
-  skf_vec3 r = {0, 0, 0};
-  for (int k = TERMS; k-- > 0;) r = v3_mad(v3_scale(once[k], b[k]), s, r);
-  return v3_mad(v3_add(w->from.v, w->from.v_low), s * h, v3_mad(w->a0, s, r));
-}
-
-/* One sweep over the nodes. Returns false where the force is not finite. */
-static bool sweep(gauss_radau *w, skf_ode *ode, double h, skf_vec3 b[TERMS], skf_vec3 g[TERMS], double *change,
-                  double *size) {
-  *size = largest(w->a0);
-  for (int n = 1; n < NODES; n++) {
-    skf_vec3 a, x = displacement(b, w->a0, w->from.v, h, node[n]);
-    double noise = 0;
-    x = v3_add(w->from.x, v3_add(w->from.x_low, v3_mad(x, h * node[n], w->from.v_low)));
-    skf_vec3 v = ode->drag ? velocity(w, b, h, node[n]) : w->from.v;
-    if (!skf_ode_feel(ode, clock_add(w->from.t, h * node[n]), x, v, &a, n % 3 == 1 ? &noise : NULL)) return false;
-    w->noise = fmax(w->noise, noise);
-    *size = fmax(*size, largest(a));
-    skf_vec3 d = v3_scale(inverse[n][0], v3_sub(a, w->a0));
-    for (int j = 1; j < n; j++) d = v3_scale(inverse[n][j], v3_sub(d, g[j - 1]));
-    skf_vec3 delta = v3_sub(d, g[n - 1]);
-    g[n - 1] = d;
-    for (int k = 0; k < n; k++) b[k] = v3_mad(b[k], newton[n - 1][k], delta);
-    *change = largest(delta);
-  }
-  return true;
-}
-
 /* g from b: the inverse of b_k = sum_n g_n newton[n][k]. */
 static void divided(const skf_vec3 b[TERMS], skf_vec3 g[TERMS]) {
   for (int k = TERMS; k-- > 0;) {
@@ -147,23 +98,84 @@ static void divided(const skf_vec3 b[TERMS], skf_vec3 g[TERMS]) {
   }
 }
 
-/* Solves for b on a step of length h. False when it does not settle or the force is not finite. */
-static bool solve(gauss_radau *w, skf_ode *ode, double h, skf_vec3 b[TERMS], double *size) {
-  skf_vec3 g[TERMS];
-  double last = INFINITY, change = 0;
-  divided(b, g);
+static double largest(skf_vec3 a) { return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z))); }
+
+void skf_radau_predict(skf_gauss_radau *w, double h, skf_radau_guess *u) {
+  predict(w, h / w->done, u->b, u->e);
+  divided(u->b, u->g);
+  u->change = 0, u->size = largest(w->a0);
   w->noise = 0;
-  for (int i = 0; i < MAX_ITERATIONS; i++) {
-    if (!sweep(w, ode, h, b, g, &change, size)) return false;
-    if (!(change > 0.1 * DBL_EPSILON * *size)) return true;
-    if (i > 1 && change >= last) return change <= 1e-6 * *size || change <= AMPLIFICATION * w->noise;
-    last = change;
-  }
-  return change <= 1e-9 * *size;
 }
 
-/* Moves the orbit to the end of the step: small terms first, the products with h exact. */
-static void finish(const gauss_radau *w, double h, skf_orbit *at) {
+/* h v s + h^2 s^2 (a0 / 2 + sum b_k s^(k+1) / ((k+2)(k+3))) */
+static skf_vec3 displacement(const skf_vec3 b[TERMS], skf_vec3 a0, skf_vec3 v, double h, double s) {
+  skf_vec3 r = {0, 0, 0};
+  for (int k = TERMS; k-- > 0;) r = v3_mad(v3_scale(twice[k], b[k]), s, r);
+  r = v3_mad(v3_scale(0.5, a0), s, r);
+  return v3_scale(s * h, v3_mad(v, s * h, r));
+}
+
+/* v + h s (a0 + sum b_k s^(k+1) / (k+2)) */
+static skf_vec3 velocity(const skf_gauss_radau *w, const skf_vec3 b[TERMS], double h, double s) {
+  skf_vec3 r = {0, 0, 0};
+  for (int k = TERMS; k-- > 0;) r = v3_mad(v3_scale(once[k], b[k]), s, r);
+  return v3_mad(v3_add(w->from.v, w->from.v_low), s * h, v3_mad(w->a0, s, r));
+}
+
+void skf_radau_place(const skf_gauss_radau *w, const skf_radau_guess *u, double h, int n, skf_vec3 *x, skf_vec3 *v) {
+  skf_vec3 d = displacement(u->b, w->a0, w->from.v, h, node[n]);
+  *x = v3_add(w->from.x, v3_add(w->from.x_low, v3_mad(d, h * node[n], w->from.v_low)));
+  if (v) *v = velocity(w, u->b, h, node[n]);
+}
+
+void skf_radau_learn(skf_gauss_radau *w, int n, skf_vec3 a, double noise, skf_radau_guess *u) {
+  w->noise = fmax(w->noise, noise);
+  u->size = fmax(u->size, largest(a));
+  skf_vec3 d = v3_scale(inverse[n][0], v3_sub(a, w->a0));
+  for (int j = 1; j < n; j++) d = v3_scale(inverse[n][j], v3_sub(d, u->g[j - 1]));
+  skf_vec3 delta = v3_sub(d, u->g[n - 1]);
+  u->g[n - 1] = d;
+  for (int k = 0; k < n; k++) u->b[k] = v3_mad(u->b[k], newton[n - 1][k], delta);
+  u->change = largest(delta);
+}
+
+/* One sweep over the nodes. Returns false where the force is not finite. */
+static bool sweep(skf_gauss_radau *w, skf_ode *ode, double h, skf_radau_guess *u) {
+  u->size = largest(w->a0);
+  for (int n = 1; n < NODES; n++) {
+    skf_vec3 a, x, v = w->from.v;
+    double noise = 0;
+    skf_radau_place(w, u, h, n, &x, ode->drag ? &v : NULL);
+    if (!skf_ode_feel(ode, clock_add(w->from.t, h * node[n]), x, v, &a, skf_radau_listens(n) ? &noise : NULL))
+      return false;
+    skf_radau_learn(w, n, a, noise, u);
+  }
+  return true;
+}
+
+bool skf_radau_settled(const skf_radau_guess *u) { return !(u->change > 0.1 * DBL_EPSILON * u->size); }
+bool skf_radau_will_do(const skf_gauss_radau *w, const skf_radau_guess *u) {
+  return u->change <= 1e-6 * u->size || u->change <= AMPLIFICATION * w->noise;
+}
+
+/* Solves for b on a step of length h. False when it does not settle or the force is not finite. */
+static bool solve(skf_gauss_radau *w, skf_ode *ode, double h, skf_radau_guess *u) {
+  double last = INFINITY;
+  for (int i = 0; i < SKF_RADAU_SWEEPS; i++) {
+    if (!sweep(w, ode, h, u)) return false;
+    if (skf_radau_settled(u)) return true;
+    if (i > 1 && u->change >= last) return skf_radau_will_do(w, u);
+    last = u->change;
+  }
+  return u->change <= 1e-9 * u->size;
+}
+
+/* Small terms first, the products with h exact. */
+void skf_radau_finish(skf_gauss_radau *w, const skf_radau_guess *u, double h, skf_orbit *at) {
+  memcpy(w->b, u->b, sizeof w->b);
+  memcpy(w->e, u->e, sizeof w->e);
+  w->from_a = w->a0;
+  w->done = h;
   skf_vec3 dv = {0, 0, 0}, dx = {0, 0, 0};
   for (int k = TERMS; k-- > 0;) {
     dv = v3_mad(dv, once[k], w->b[k]);
@@ -180,18 +192,18 @@ static void finish(const gauss_radau *w, double h, skf_orbit *at) {
   at->t = clock_add(at->t, h);
 }
 
-/* The step that would just meet the tolerance, as a share of h. An error of the acceleration counts relative to the
-   acceleration, or, where that hardly matters, to the velocity; what rounding makes of b_6 is no error. */
-static double share(const gauss_radau *w, const skf_vec3 b[TERMS], double h, double size, double tolerance) {
-  double allowed = tolerance * (LAST_TERM * size + largest(w->from.v) / h);
-  double error = largest(b[TERMS - 1]) - AMPLIFICATION * w->noise;
+/* An error of the acceleration counts relative to the acceleration, or, where that hardly matters, to the velocity;
+   what rounding makes of b_6 is no error. */
+double skf_radau_share(const skf_gauss_radau *w, const skf_radau_guess *u, double h, double tolerance) {
+  double allowed = tolerance * (LAST_TERM * u->size + largest(w->from.v) / h);
+  double error = largest(u->b[TERMS - 1]) - AMPLIFICATION * w->noise;
   if (!(error > 0)) return 4;
   return fmin(4, pow(allowed / error, 1.0 / TERMS));
 }
 
 /* The acceleration at the end of the step is known for the next one: where it is not what the polynomial says, the
    force has a join that no node has seen. A smooth force differs there by less than the tolerance, see LAST_TERM. */
-static bool meets(const gauss_radau *w, double h, double size, double tolerance, skf_vec3 a) {
+bool skf_radau_meets(const skf_gauss_radau *w, double h, double size, double tolerance, skf_vec3 a) {
   skf_vec3 end = w->from_a;
   for (int k = 0; k < TERMS; k++) end = v3_add(end, w->b[k]);
   double allowed = tolerance * (JOIN * size + largest(w->from.v) / h) + JOIN * w->noise;
@@ -199,40 +211,35 @@ static bool meets(const gauss_radau *w, double h, double size, double tolerance,
 }
 
 /* One attempt. Returns the share of h that would meet the tolerance; below REFUSE the step has not been taken. */
-static double attempt(gauss_radau *w, skf_ode *ode, double h, double tolerance, skf_orbit *at) {
-  gauss_radau before = *w;
-  skf_vec3 b[TERMS], e[TERMS];
-  double size;
-  predict(w, h / w->done, b, e);
-  if (!solve(w, ode, h, b, &size)) return 0.25;
-  double q = share(w, b, h, size, tolerance);
-  if (q < REFUSE) return fmax(q, 0.1);
-  memcpy(w->b, b, sizeof b);
-  memcpy(w->e, e, sizeof e);
-  w->from_a = w->a0;
-  w->done = h;
+static double attempt(skf_gauss_radau *w, skf_ode *ode, double h, double tolerance, skf_orbit *at) {
+  skf_gauss_radau before = *w;
+  skf_radau_guess u;
+  skf_radau_predict(w, h, &u);
+  if (!solve(w, ode, h, &u)) return 0.25;
+  double q = skf_radau_share(w, &u, h, tolerance);
+  if (q < SKF_RADAU_REFUSE) return fmax(q, 0.1);
   skf_orbit next = *at;
-  finish(w, h, &next);
+  skf_radau_finish(w, &u, h, &next);
   bool finite = skf_ode_feel(ode, next.t, v3_add(next.x, next.x_low), v3_add(next.v, next.v_low), &w->a0, NULL);
-  if (!finite || !meets(w, h, size, tolerance, w->a0)) return *w = before, 0.25;
+  if (!finite || !skf_radau_meets(w, h, u.size, tolerance, w->a0)) return *w = before, 0.25;
   return *at = next, q;
 }
 
 static skf_status step(void *work, skf_ode *ode, const skf_step_control *control, skf_orbit *at, size_t *rejected) {
-  gauss_radau *w = work;
+  skf_gauss_radau *w = work;
   double h = fmin(w->h, control->h_max);
   w->from = *at;
   for (;; (*rejected)++) {
     if (!(h > skf_step_floor(at->t)) || !isfinite(h)) return SKF_ERR_CONVERGENCE;
     double q = attempt(w, ode, h, control->tolerance, at);
-    if (q >= REFUSE) return w->h = h * q, SKF_OK;
+    if (q >= SKF_RADAU_REFUSE) return w->h = h * q, SKF_OK;
     h *= q;
   }
 }
 
 static skf_status dense(void *work, skf_ode *ode, skf_path *path) {
   (void)ode;
-  const gauss_radau *w = work;
+  const skf_gauss_radau *w = work;
   double h = w->done;
   *path = skf_path_begin(&w->from, h, TERMS + 2);
   path->x[0] = v3_scale(h, path->v0);
@@ -248,7 +255,7 @@ static skf_status dense(void *work, skf_ode *ode, skf_path *path) {
 const skf_integrator_ops skf_integrator_gauss_radau = {
     .info = {"gauss-radau", "15th-order Gauss-Radau predictor-corrector, good to rounding over long runs", 15, 9, true},
     .takes = SKF_TAKES_DRAG,
-    .work_size = sizeof(gauss_radau),
+    .work_size = sizeof(skf_gauss_radau),
     .begin = begin,
     .step = step,
     .dense = dense,

@@ -130,10 +130,59 @@ static void fly_flock(skf_runner *r, size_t i, size_t m) {
   }
 }
 
+/* A contact of the cluster waits until the rows before it are taken. */
+static skf_status hold(void *user, size_t i, const skf_contact *c) {
+  skf_pending *wait = ((skf_runner *)user)->waiting + i;
+  wait->contact = *c, wait->contact.particle = i, wait->held = true;
+  return SKF_OK;
+}
+
+static skf_status log_held(skf_runner *r, double t) {
+  skf_status s = SKF_OK;
+  for (size_t i = 0; i < r->mine && !s; i++) {
+    skf_pending *wait = r->waiting + i;
+    if (!wait->held || wait->contact.t > t) continue;
+    wait->held = false;
+    s = skf_contact_log_add(r->logs, &wait->contact, wait->sequence++);
+  }
+  return s;
+}
+
+/* All particles to time t. */
+static skf_status fly_cluster_to(skf_runner *r, double t, size_t *failed) {
+  double begin = skf_cluster_time(r->cluster), now;
+  skf_status s = log_held(r, t);
+  while (!s && (now = skf_cluster_time(r->cluster)) < t) {
+    watch(r, (double)r->mine * (now - begin) / (t - begin));
+    if (stopped(r)) return SKF_ERR_CANCELLED;
+    s = skf_cluster_step(r->cluster, hold, r, failed);
+    if (!s) s = log_held(r, t);
+  }
+  return s;
+}
+
+/* Particles that attract each other to the end of the window. */
+static void fly_cluster(skf_runner *r) {
+  size_t failed = 0;
+  skf_status s = SKF_OK;
+  for (size_t i = 0; i < r->mine; i++) r->status[i] = SKF_OK;
+  for (size_t k = slowest(r, 0, r->mine); k < skf_runner_rows(r) && !s; k++) {
+    s = fly_cluster_to(r, row_time(r, r->first + k), &failed);
+    if (!s) skf_cluster_compare(r->cluster);
+    for (size_t i = 0; i < r->mine && !s; i++)
+      if (r->waiting[i].row == k) s = take_row(r, i, k);
+  }
+  r->status[failed] = s, r->failed_at[failed] = skf_cluster_time(r->cluster);
+}
+
 /* All particles to the end of the window. */
 static void fly_all(skf_runner *r) {
   size_t n = r->mine, share = n / (4 * (size_t)r->threads) + 1, flock = share < FLOCK ? share : FLOCK;
   if (n == 0) return;
+  if (r->cluster) {
+    fly_cluster(r);
+    return;
+  }
   if (skf_flight_in_flock(r->flights[0])) {
 #pragma omp parallel for schedule(dynamic, 1) num_threads(r->threads) if (n > 1)
     for (size_t i = 0; i < n; i += flock) fly_flock(r, i, n - i < flock ? n - i : flock);
@@ -237,6 +286,7 @@ static bool allocate(skf_runner *r) {
 
 void skf_runner_free(skf_runner *r) {
   if (!r) return;
+  skf_cluster_free(r->cluster);
   for (size_t i = 0; r->flights && i < r->mine; i++) skf_flight_free(r->flights[i]);
   for (int t = 0; r->logs && t < r->threads; t++) skf_free(r->logs[t].entries);
   skf_free(r->flights);
@@ -269,6 +319,11 @@ skf_status skf_runner_new(const skf_world *world, const skf_run *run, skf_runner
   r->threads = omp_get_max_threads();
   skf_status s = skf_team_agree(&team, allocate(r) ? SKF_OK : SKF_ERR_NOMEM, NULL);
   if (!s) s = launch(r, failure);
+  if (!s && run->gm && run->count) {
+    s = team.size > 1 ? SKF_ERR_UNSUPPORTED
+                      : skf_cluster_new(world, r->flights, r->mine, run->gm, run->softening, &r->cluster);
+    if (s == SKF_ERR_CONVERGENCE && failure) *failure = (skf_run_failure){0, start};
+  }
   if (s) return skf_runner_free(r), s;
   return *out = r, SKF_OK;
 }

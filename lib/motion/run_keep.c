@@ -191,6 +191,7 @@ skf_status skf_runner_load(skf_runner *r, reader read, void *user) {
     s = t->rank > 0 ? receive_saved(r, bytes) : read_saved(r, bytes, p.contacts, read, user);
     s = skf_team_agree(t, s, NULL);
   }
+  if (!s && r->cluster) skf_cluster_resume(r->cluster);
   skf_free(bytes);
   return s;
 }

@@ -3,6 +3,7 @@
 #ifndef SKF_MOTION_RUNNER_H
 #define SKF_MOTION_RUNNER_H
 
+#include "motion/cluster.h"
 #include "motion/flight.h"
 #include <stdint.h>
 #include <omp.h>
@@ -38,6 +39,7 @@ struct skf_runner {
   size_t row_count, window, first; /* rows; in a window; before this window */
   size_t mine;                     /* particles of this member: the arrays' length unless they say otherwise */
   skf_flight **flights;
+  skf_cluster *cluster; /* of particles that attract each other, or NULL */
   skf_pending *waiting;
   skf_state *rows, *arrived; /* rows of the window, `width` states each; what another member has sent of one */
   size_t width;              /* the first member has all particles' states, the others have their own */

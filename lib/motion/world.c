@@ -236,6 +236,7 @@ bool skf_world_jerk(const void *world, skf_clock t, skf_vec3 p, skf_vec3 v, skf_
 double skf_world_potential(const skf_world *w, skf_clock t, skf_vec3 p, double *magnitude) {
   double u = 0, m = 0;
   for (size_t i = 0; i < w->n; i++) {
+    if (w->bodies[i].is.gain == 0) continue; /* even where its field is infinite */
     skf_turn r = skf_turn_at(w->bodies + i, t);
     double part = -w->bodies[i].is.gain * skf_field_at(w->bodies[i].is.field, skf_turn_point(&r, -1, p), NULL);
     u += part;

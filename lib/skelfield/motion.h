@@ -279,6 +279,11 @@ typedef struct skf_run {
   double t_end, every;    /* rows at start + k every, and at t_end; every 0: only the two ends */
   skf_flight_options flight;
   const skf_team *team; /* NULL: this process alone; copied */
+  /* G times the mass of each particle [L^3/T^2], or NULL: none attracts anything. Those that attract move with all
+     others by one clock, with the default integrator and in one process only, else SKF_ERR_UNSUPPORTED; the report of
+     the first particle has the drifts of all those together, the others' are NAN. */
+  const double *gm;
+  double softening; /* of their pull, -G m / sqrt(r^2 + softening^2); of the bodies' there is none [L] */
 } skf_run;
 
 /* Receives what a run makes, from one thread, in order of time; contacts of the same time by particle, and all contacts
