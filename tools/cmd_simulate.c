@@ -25,6 +25,7 @@ typedef struct simulate {
   skf_flight_report *reports;
   skf_geo *geo; /* of the ground track */
   size_t track_body;
+  double *gm; /* G times the mass of each particle, where some have one */
   run_place *places;
   skf_quantities *quantities; /* where --invariants asks for them */
   size_t frame;               /* rows and contacts are in the frame of this body, or SIZE_MAX: inertial */
@@ -284,6 +285,27 @@ static int finish(simulate *s, skf_status ended, const skf_run_failure *where) {
   return status != CLI_DONE ? status : closed;
 }
 
+/* Particles with a mass attract the others. */
+static int weigh(simulate *s) {
+  const skf_scene *scene = s->table.scene;
+  size_t massless = 0;
+  while (massless < scene->particle_count && scene->particles[massless].mass == 0) massless++;
+  if (massless == scene->particle_count) return CLI_DONE;
+  if (s->crew.size > 1)
+    return cli_fail(CLI_BAD, "%s:%ld: particle '%s' has a mass, but %d processes share the run, expected one",
+                    s->table.scene_path, scene->particles[massless].line, scene->particles[massless].name,
+                    s->crew.size);
+  s->gm = calloc(scene->particle_count, sizeof *s->gm);
+  if (!s->gm) return cli_fail(CLI_FAILED, "out of memory");
+  for (size_t i = 0; i < scene->particle_count; i++) {
+    s->gm[i] = scene->G * scene->particles[i].mass;
+    if (!isfinite(s->gm[i]))
+      return cli_fail(CLI_BAD, "%s:%ld: G times the mass of particle '%s' overflows, expected a finite number",
+                      s->table.scene_path, scene->particles[i].line, scene->particles[i].name);
+  }
+  return CLI_DONE;
+}
+
 static int fly(simulate *s) {
   const skf_scene *scene = s->table.scene;
   const skf_simulation *sim = &scene->simulation;
@@ -293,7 +315,9 @@ static int fly(simulate *s) {
                  sim->output_every,
                  {sim->integrator, sim->tolerance, 0, sim->contact, sim->restitution, sim->friction, sim->search, false,
                   sim->step},
-                 &s->crew.link};
+                 &s->crew.link,
+                 s->gm,
+                 sim->softening};
   skf_run_sink direct = {take_row, take_contact, s}, journal = {keep_row, keep_contact, s};
   skf_run_failure where = {0, 0};
   skf_runner *runner = NULL;
@@ -343,6 +367,7 @@ static int ready(simulate *s, const skf_scene *scene) {
   int status = check(s->c, scene);
   if (status == CLI_DONE) status = prepare(s);
   if (status == CLI_DONE) warn_inside(s);
+  if (status == CLI_DONE) status = weigh(s);
   return status == CLI_DONE ? keep_checkpoints(s) : status;
 }
 
@@ -363,6 +388,7 @@ static int run(cli *c) {
   skf_geo_free(s.geo);
   free(s.starts);
   free(s.reports);
+  free(s.gm);
   free(s.places);
   free(s.quantities);
   free(s.seen);
@@ -403,7 +429,12 @@ const cli_command cmd_simulate = {
     "of\n"
     "     one beyond steps * tolerance + 64 eps sqrt(steps + 1) relative to kinetic + |potential| energy (momentum: "
     "to\n"
-    "     |r| |v|)\n"
+    "     |r| |v|). Of particles that attract each other it tells those of all with a mass together; the columns are "
+    "those\n"
+    "     of each one in the bodies' field alone\n"
+    "mass: particles with one attract all others (not the bodies): a direct sum, one step for all of them, by "
+    "gauss-radau,\n"
+    "     softened on request (simulation: {softening}); the bodies' own fields are never softened\n"
     "frame: in that of the body that spins, velocities are relative to it; times and invariants are the same\n"
     "contacts: t,particle,body,x,y,z,nx,ny,nz,vx,vy,vz,outcome: the first point where a path enters a body, the\n"
     "     outward normal, the velocity just before, and what follows:\n"

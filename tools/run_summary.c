@@ -39,11 +39,20 @@ static double promise(const skf_scene *scene, const skf_flight_report *r) {
   return n * scene->simulation.tolerance + 64 * DBL_EPSILON * sqrt(n + 1);
 }
 
+static bool together(const skf_scene *scene) {
+  for (size_t i = 0; i < scene->particle_count; i++)
+    if (scene->particles[i].mass != 0) return true;
+  return false;
+}
+
 static void tell(const skf_scene *scene, const skf_flight_report *r, const char *what, const worst *w) {
   if (isnan(w->drift)) return;
   const char *name = scene->particles[w->particle].name;
-  cli_say("  %s kept to %.2g%s%s%s", what, w->drift, w->drift > 0 ? " (worst: " : "", w->drift > 0 ? name : "",
-          w->drift > 0 ? ")" : "");
+  if (together(scene))
+    cli_say("  %s of all particles with a mass together kept to %.2g", what, w->drift);
+  else
+    cli_say("  %s kept to %.2g%s%s%s", what, w->drift, w->drift > 0 ? " (worst: " : "", w->drift > 0 ? name : "",
+            w->drift > 0 ? ")" : "");
   bool promised = skf_integrator_find(scene->simulation.integrator)->adaptive; /* else it oscillates with the step */
   if (promised && w->drift > promise(scene, r + w->particle))
     cli_say("skelfield: warning: the drift of %s of particle '%s', %.2g, is more than the tolerance promises, %.2g",

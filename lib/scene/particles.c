@@ -86,6 +86,7 @@ enum {
   KEY_POSITION,
   KEY_VELOCITY,
   KEY_FRAME,
+  KEY_MASS,
   KEY_LAUNCH,
   KEY_FILE,
   KEY_GRID,
@@ -102,6 +103,8 @@ static const skf_key particle_keys[KEYS] = {
     {"velocity", "L/T", "at t = 0, inertial frame", SKF_KEY_VECTOR, false, .offset = offsetof(skf_particle, velocity)},
     {"frame", NULL, "of velocities: inertial, or that of the body that spins (default: inertial)", SKF_KEY_OTHER,
      .read = read_frame, .form = "inertial or body"},
+    {"mass", "M", "attracts all other particles, not the bodies; of each of many (default: 0)", SKF_KEY_NUMBER, false,
+     .offset = offsetof(skf_particle, mass), .range = &skf_not_negative},
     {"launch", NULL, "instead of position and velocity", SKF_KEY_OTHER, .read = read_launch,
      .form = "{body, latitude, longitude, speed, ...}"},
     {"file", NULL, "many: CSV x,y,z,vx,vy,vz and, if it likes, name", SKF_KEY_OTHER, .read = read_file,
@@ -114,8 +117,8 @@ static const skf_key particle_keys[KEYS] = {
     {"maxwellian", NULL, "many: a cloud with a temperature", SKF_KEY_OTHER, .read = read_maxwellian,
      .form = "{count, spread, ...}"},
 };
-const skf_section skf_section_particle = {"particle", "a point without mass of its own, or a source of many",
-                                          particle_keys, KEYS};
+const skf_section skf_section_particle = {"particle", "a point that feels gravity, or a source of many", particle_keys,
+                                          KEYS};
 
 /* Exactly one way to say where it starts. */
 static skf_status check_ways(skf_reader *r, const skf_node *map, unsigned given) {
@@ -179,6 +182,17 @@ static skf_status make_inertial(skf_reader *r, size_t first, long line) {
   return s;
 }
 
+/* The particles from `first` on attract the others. */
+static skf_status give_mass(skf_reader *r, size_t first, double mass, long line) {
+  skf_scene *scene = r->scene;
+  for (size_t i = first; i < scene->particle_count; i++) scene->particles[i].mass = mass;
+  const skf_integrator_info *used = skf_integrator_find(scene->simulation.integrator);
+  if (used == skf_integrator_get(0)) return SKF_OK;
+  return skf_error_set(r->error, SKF_ERR_PARSE, line,
+                       "particles with a mass, but %s flies them one by one, expected integrator %s", used->name,
+                       skf_integrator_get(0)->name);
+}
+
 static skf_status read_entry(skf_reader *r, const skf_node *map) {
   entry e = {.particle = {.line = map->line}};
   size_t first = r->scene->particle_count;
@@ -198,6 +212,7 @@ static skf_status read_entry(skf_reader *r, const skf_node *map) {
   } else if (!s) {
     s = skf_add_source(r, &e.source, e.particle.name, map->line);
   }
+  if (!s && e.particle.mass > 0) s = give_mass(r, first, e.particle.mass, skf_map_line(r, map, "mass"));
   if (!s && e.turning) s = make_inertial(r, first, skf_map_line(r, map, "frame"));
   skf_free(e.particle.name);
   return s;

@@ -98,10 +98,12 @@ static const skf_key simulation_keys[] = {
      .offset = offsetof(skf_simulation, step), .range = &skf_positive},
     {"integrator", NULL, "by name (default: the best for the tolerance)", SKF_KEY_OTHER, .read = read_integrator,
      .form = "an integrator's name"},
+    {"softening", "L", "of the pull of particles with a mass, -G m / sqrt(r^2 + softening^2) (default: 0)",
+     SKF_KEY_NUMBER, false, .offset = offsetof(skf_simulation, softening), .range = &skf_not_negative},
     {"frame", NULL, "of rows and contacts: inertial, or that of the body that spins (default: inertial)", SKF_KEY_OTHER,
      .read = read_frame, .form = "inertial or body"},
 };
-const skf_section skf_section_simulation = {"simulation", "how the particles fly", simulation_keys, 10};
+const skf_section skf_section_simulation = {"simulation", "how the particles fly", simulation_keys, 11};
 
 skf_status skf_read_simulation(skf_reader *r, const skf_node *map, void *into) {
   skf_simulation *sim = &((skf_scene *)into)->simulation;

@@ -62,6 +62,7 @@ typedef struct skf_particle {
   char *name;
   bool sourced;                /* one of many from a file, a grid, ...; its name is one of scene->name_pools */
   skf_vec3 position, velocity; /* inertial; unset while launch.given, until somebody resolves it */
+  double mass;                 /* 0: it attracts nothing */
   skf_launch launch;
   long line;
 } skf_particle;
@@ -71,6 +72,7 @@ typedef struct skf_simulation {
   double t_end, output_every, tolerance, step; /* step: 0 where the integrator chooses */
   skf_contact_mode contact;
   double restitution, friction;
+  double softening; /* of the pull of particles with a mass */
   skf_search search;
   char integrator[32]; /* name in the integrators' registry; empty: default */
   bool turning;        /* rows and contacts in the frame of the body that spins, see skf_scene_turning_body */

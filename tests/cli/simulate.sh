@@ -157,4 +157,37 @@ if has hdf5; then
   expect_status "both in HDF5" 0
 fi
 
+# Particles that attract each other: a pair of equal masses on a circle of radius 1/2 turns with omega = sqrt(G M / r^3).
+cat >pair.yaml <<'END'
+skelfield: 1
+gravity: {G: 2}
+bodies: [{name: marker, iso: 1000, density: 0, kernel: {type: inverse}, skeleton: [{point: {at: [0, 0, 5]}}]}]
+particles:
+  - {name: a, mass: 0.25, position: [0.5, 0, 0], velocity: [0, 0.5, 0]}
+  - {name: b, mass: 0.25, position: [-0.5, 0, 0], velocity: [0, -0.5, 0]}
+  - {name: light, position: [0, 0, 1], velocity: [0, 0, 0]}
+simulation: {t_end: 3.1415926535897931, output_every: 10, tolerance: 1.0e-12}
+END
+run simulate pair.yaml -o pair.csv
+expect_status "particles with a mass" 0
+expect_err "their energy is told" "energy of all particles with a mass together kept to ([0-9.]+e-1[5-9]|0)"
+cp pair.csv "$kept/out"
+expect_close "half a turn later" "$(field 5 3)" -0.5 1e-13
+expect_close "the other one" "$(field 6 3)" 0.5 1e-13
+expect_close "one without mass feels both" "$(awk -F, '$1 > 0 && $2 == "light" { print ($5 < -0.5 && $3 * $3 + $4 * $4 < 1e-24) }' pair.csv)" 1 0
+# Softened: v^2 / (1/2) = G m r / (r^2 + softening^2)^(3/2) = 0.256 at r = 1.
+sed 's/tolerance:/softening: 0.75, tolerance:/; s/\[0, 0.5, 0\]/[0, 0.35777087639996635, 0]/; s/\[0, -0.5, 0\]/[0, -0.35777087639996635, 0]/
+  s/t_end: [0-9.]*/t_end: 4.390509206900454/' pair.yaml >soft.yaml
+run simulate soft.yaml
+expect_close "softened" "$(field 5 3)" -0.5 1e-13
+sed 's/tolerance:/integrator: rkn12, tolerance:/' pair.yaml >alone.yaml
+run simulate alone.yaml
+expect_refused "a mass with another integrator" "alone.yaml:5: particles with a mass, but rkn12 flies them one by one, expected integrator gauss-radau"
+sed 's/mass: 0.25/mass: -1/' pair.yaml >negative.yaml
+run simulate negative.yaml
+expect_refused "a negative mass" "negative.yaml:5: mass is -1, expected a finite number >= 0"
+sed 's/tolerance:/softening: -1, tolerance:/' pair.yaml >hard.yaml
+run simulate hard.yaml
+expect_refused "a negative softening" "hard.yaml:8: softening is -1, expected a finite number >= 0"
+
 tap_done
