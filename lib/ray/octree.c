@@ -171,7 +171,8 @@ skf_cell skf_octree_explore(skf_octree *t, skf_branch *in, int k) {
   enum { FEW = 256 };
   uint32_t few[FEW], *kept = few, keep;
   if (in->count > FEW && !(kept = skf_alloc(in->count, sizeof *kept))) return 0;
-  skf_leaf leaf = {.f = 0};
+  skf_leaf leaf;
+  leaf.f = leaf.flat = 0, leaf.g = v3(0, 0, 0), leaf.blobs = NULL;
   int kind = examine(t, in, k, kept, &keep, &leaf);
   omp_set_lock(&t->lock);
   skf_cell c = atomic_load_explicit(in->child + k, memory_order_relaxed); /* somebody else may have been here */
@@ -189,7 +190,7 @@ skf_branch *skf_octree_top(const skf_octree *t) { return t->all; }
 
 int skf_octree_beyond(const skf_octree *t) { return t->iso < 0 ? 1 : -1; }
 
-double skf_octree_least(const skf_octree *t) { return ldexp(t->all->half, -LEVELS); }
+double skf_octree_least(const skf_octree *t) { return t->all->half / (1 << LEVELS); }
 
 skf_status skf_octree_new(const skf_field *field, const skf_source *sources, const skf_blob *blobs, size_t n,
                           double iso, double noise, skf_box region, skf_octree **out) {

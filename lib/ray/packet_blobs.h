@@ -5,6 +5,7 @@
 #define SKF_RAY_PACKET_BLOBS_H
 
 #include "ray/packet_points.h"
+#include "ray/packet_polish.h"
 #include "ray/packet_segments.h"
 
 /* Lanes that are done with the leaf, and for a crossing what brackets it. */
@@ -40,15 +41,43 @@ SKF_INLINE void in_points(const int n, skf_packet *p, const skf_leaf *leaf, cons
   }
 }
 
+/* Polishes hits; returns those that are finished. */
+SKF_INLINE unsigned finish_hits(skf_packet *p, const skf_leaf *leaf, const skf_vd *from, const skf_outcome *o) {
+  unsigned finished = 0;
+  for (int v = 0; v < VECTORS; v++) {
+    unsigned mine = o->hit >> (SKF_LANES * v) & ((1u << SKF_LANES) - 1);
+    double t[SKF_LANES], at[3][SKF_LANES], normal[3][SKF_LANES], f[SKF_LANES];
+    skf_polished q;
+    if (!mine) continue;
+    skf_vi done =
+        polish(p, leaf, v, from[v] + o->lo[v], from[v] + o->hi[v], from[v] + o->u[v], lanes_on(o->hit, v), &q);
+    mine &= (unsigned)vi_bits(done);
+    vd_store(t, q.t), vd_store(f, o->f[v]);
+    for (int i = 0; i < 3; i++) vd_store(at[i], q.at[i]), vd_store(normal[i], q.normal[i]);
+    finished |= mine << (SKF_LANES * v);
+    for (; mine; mine &= mine - 1) {
+      int k = __builtin_ctz(mine);
+      skf_answer *a = p->user[SKF_LANES * v + k];
+      *a->found = true;
+      *a->hit = (skf_hit){t[k], {at[0][k], at[1][k], at[2][k]}, {normal[0][k], normal[1][k], normal[2][k]}, f[k] < 0};
+    }
+  }
+  p->alive &= ~finished;
+  return finished;
+}
+
 static void take_hits(skf_packet *p, const skf_leaf *leaf, const skf_vd *from, const skf_outcome *c) {
-  double t[VECTORS * SKF_LANES], u[VECTORS * SKF_LANES], lo[VECTORS * SKF_LANES], hi[VECTORS * SKF_LANES],
-      f[VECTORS * SKF_LANES];
+  enum { LANES = VECTORS * SKF_LANES };
+  double t[LANES], u[LANES], lo[LANES], hi[LANES], f[LANES];
+  unsigned hits = c->hit;
+  if (p->exact) hits &= ~finish_hits(p, leaf, from, c);
+  if (!hits) return;
   for (int v = 0; v < VECTORS; v++) {
     int at = SKF_LANES * v;
     vd_store(t + at, from[v]), vd_store(u + at, c->u[v]), vd_store(f + at, c->f[v]);
     vd_store(lo + at, c->lo[v]), vd_store(hi + at, c->hi[v]);
   }
-  for (unsigned hits = c->hit; hits; hits &= hits - 1) {
+  for (; hits; hits &= hits - 1) {
     int k = __builtin_ctz(hits);
     skf_packet_found(p, k, leaf, &(skf_knot){.t = t[k] + lo[k], .f = f[k]}, &(skf_knot){.t = t[k] + hi[k], .f = -f[k]},
                      t[k] + u[k]);

@@ -62,6 +62,7 @@ SKF_INLINE skf_vd way_most(const skf_blob *b, const skf_way *w, skf_vd L) {
   skf_vd zero = vd_set(0), top = vd_set(0.5) * (b->length > 0 ? w->m1 / w->m2 : w->m1 * vd_set(b->R * b->R));
   skf_vd u = clamped(top, zero, L), m = vd_max(w->m0 + u * (w->m1 - u * w->m2), zero);
   if (b->length > 0) {
+    if (!vi_any(m > zero)) return zero;
     skf_vd x = w->x0, xL = w->x0 + L * w->x1;
     skf_vd nearest = clamped(vd_set(0.5 * b->length / b->R), vd_min(x, xL), vd_max(x, xL));
     return vd_set(b->strength * b->R) * beside(b, nearest, m).F;

@@ -187,7 +187,7 @@ static bool find_sextic(const pieces *p, bool fresh, bool first, findings *out) 
 
 void skf_packet_found(skf_packet *p, int lane, const skf_leaf *leaf, const skf_knot *a, const skf_knot *b,
                       double guess) {
-  skf_walk *w = p->walk + lane;
+  skf_walk *w = skf_packet_lane(p, lane);
   w->leaf = leaf;
   if (!p->found(p->user[lane], w, a, b, guess)) p->alive &= ~(1u << lane);
   w->leaf = NULL;
@@ -200,11 +200,12 @@ void skf_packet_blobs(skf_packet *p, int lane, const skf_leaf *leaf, double a, d
   }
   pieces q;
   findings r;
+  const skf_walk *w = skf_packet_lane(p, lane);
   unsigned bit = 1u << lane;
   bool fresh = !((p->below | p->above) & bit);
   q.n = 0, q.iso = p->tracer->iso, q.noise = leaf->grain + leaf->slope * p->shift[lane];
   r.count = r.last = 0;
-  cut(&q, leaf, v3_mad(p->walk[lane].origin, a, p->walk[lane].direction), p->walk[lane].direction, b - a);
+  cut(&q, leaf, v3_mad(w->origin, a, w->direction), w->direction, b - a);
   if (!(leaf->soft ? find_sextic : find_quartic)(&q, fresh, p->first, &r)) {
     skf_packet_walk(p, lane, leaf, a, b);
     return;

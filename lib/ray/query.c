@@ -102,7 +102,7 @@ static skf_status alone(skf_walk *w, double from, double to, skf_crossing_fn *fo
 typedef struct question {
   const skf_tracer *tracer;
   skf_crossing_fn *found;
-  bool first;
+  bool first, exact; /* see skf_packet */
   skf_ray_report report;
 } question;
 
@@ -147,9 +147,18 @@ static void board(skf_packet *p, int lane, const candidate *c) {
     p->per[i][lane] = fabs(d[i]) > 1e-300 ? 1 / d[i] : d[i] < 0 ? -1e300 : 1e300; /* middles are before or behind it */
   }
   p->from[lane] = c->from, p->to[lane] = c->to, p->shift[lane] = c->shift;
-  p->walk[lane] = (skf_walk){.tracer = p->tracer, .origin = c->origin, .direction = c->direction};
-  p->knot[lane].known = false;
   p->user[lane] = c->user;
+}
+
+static void set_out(const question *q, skf_packet *p) {
+  p->tracer = q->tracer, p->first = q->first, p->exact = q->exact, p->found = q->found;
+  p->below = p->above = p->walking = 0, p->cells = p->looks = 0;
+}
+
+static void go(question *q, skf_packet *p, int lanes) {
+  skf_packet_get(q->tracer->isa, lanes)(p);
+  for (unsigned left = p->walking; left; left &= left - 1) add_report(&q->report, &p->walk[__builtin_ctz(left)].report);
+  q->report.cells += p->cells, q->report.evaluations += p->looks;
 }
 
 /* Those of n candidates that go the same way as the first, together; returns a bit for each. *last: the sign of the
@@ -158,8 +167,7 @@ static unsigned travel(question *q, const candidate *c, unsigned left, int *last
   skf_packet p;
   unsigned taken = 0;
   int lanes = 0, lane = __builtin_ctz(left);
-  p.tracer = q->tracer, p.first = q->first, p.found = q->found;
-  p.below = p.above = 0, p.cells = p.looks = 0;
+  set_out(q, &p);
   p.backwards = c[lane].backwards;
   for (; left; left &= left - 1) {
     lane = __builtin_ctz(left);
@@ -167,9 +175,7 @@ static unsigned travel(question *q, const candidate *c, unsigned left, int *last
   }
   p.alive = (1u << lanes) - 1;
   for (int i = lanes; i < (lanes > 4 ? SKF_PACKET : 4); i++) board(&p, i, c + lane), p.to[i] = -INFINITY;
-  skf_packet_get(q->tracer->isa, lanes)(&p);
-  for (int i = 0; i < lanes; i++) add_report(&q->report, &p.walk[i].report);
-  q->report.cells += p.cells, q->report.evaluations += p.looks;
+  go(q, &p, lanes);
   *last = p.above >> (lanes - 1) & 1 ? 1 : p.below >> (lanes - 1) & 1 ? -1 : 0;
   return taken;
 }
@@ -182,16 +188,27 @@ static skf_status ask(question *q, const skf_ray *ray, void *user, int *last) {
   return s;
 }
 
-/* user + i * size: of ray i */
-static skf_status ask_many(question *q, size_t n, const skf_ray *rays, void *user, size_t size) {
+/* Eight rays that go the same way, the common case, together and at once; false: they are not. */
+static bool ask_eight(question *q, const skf_ray *rays, skf_answer *user) {
+  skf_packet p;
+  if (!q->tracer->tree) return false;
+  set_out(q, &p);
+  if (!skf_packet_board(&p, rays)) return false;
+  for (int i = 0; i < SKF_PACKET; i++) p.user[i] = user + i;
+  if (p.alive) go(q, &p, SKF_PACKET);
+  return true;
+}
+
+static skf_status ask_many(question *q, size_t n, const skf_ray *rays, skf_answer *user) {
   skf_status status = SKF_OK;
   for (size_t i = 0; i < n; i += SKF_PACKET) {
     candidate c[SKF_PACKET];
     unsigned left = 0;
     int last;
+    if (i + SKF_PACKET <= n && ask_eight(q, rays + i, user + i)) continue;
     for (size_t k = 0; k < SKF_PACKET && i + k < n; k++) {
       bool on;
-      skf_status s = begin(q, rays + i + k, (char *)user + (i + k) * size, c + k, &on, &last);
+      skf_status s = begin(q, rays + i + k, user + i + k, c + k, &on, &last);
       if (s) status = s;
       left |= (unsigned)on << k;
     }
@@ -285,41 +302,32 @@ skf_status skf_tracer_spans(const skf_tracer *tracer, const skf_ray *ray, size_t
   return end(&q, s, report);
 }
 
-/* A ray's answer: to first hits and to occlusion */
-typedef struct answer {
-  skf_hit hit;
-  bool found;
-} answer;
-
 static bool take_first(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
-  answer *c = user;
-  c->hit = hit_at(w, a, b, guess), c->found = true;
+  skf_answer *c = user;
+  *c->hit = hit_at(w, a, b, guess), *c->found = true;
   return false;
 }
 
 static bool stop(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
   (void)w, (void)a, (void)b, (void)guess;
-  ((answer *)user)->found = true;
+  *((skf_answer *)user)->found = true;
   return false;
 }
 
 skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray, skf_hit *hit, bool *found,
                             skf_ray_report *report) {
-  question q = {.tracer = tracer, .found = take_first, .first = true};
-  answer a = {.found = false};
+  question q = {.tracer = tracer, .found = take_first, .first = true, .exact = true};
   int last;
-  skf_status s = ask(&q, ray, &a, &last);
-  *found = a.found;
-  if (a.found) *hit = a.hit;
+  *found = false;
+  skf_status s = ask(&q, ray, &(skf_answer){hit, found}, &last);
   return end(&q, s, report);
 }
 
 skf_status skf_tracer_occluded(const skf_tracer *tracer, const skf_ray *ray, bool *occluded, skf_ray_report *report) {
   question q = {.tracer = tracer, .found = stop, .first = true};
-  answer a = {.found = false};
   int last;
-  skf_status s = ask(&q, ray, &a, &last);
-  *occluded = a.found;
+  *occluded = false;
+  skf_status s = ask(&q, ray, &(skf_answer){NULL, occluded}, &last);
   return end(&q, s, report);
 }
 
@@ -328,14 +336,9 @@ enum { SHARE = 64 };
 
 /* n <= SHARE; hits may be NULL */
 static skf_status answer_share(question *q, size_t n, const skf_ray *rays, skf_hit *hits, bool *found) {
-  answer a[SHARE];
-  for (size_t i = 0; i < n; i++) a[i].found = false;
-  skf_status s = ask_many(q, n, rays, a, sizeof *a);
-  for (size_t i = 0; i < n; i++) {
-    found[i] = a[i].found;
-    if (hits && a[i].found) hits[i] = a[i].hit;
-  }
-  return s;
+  skf_answer a[SHARE];
+  for (size_t i = 0; i < n; i++) found[i] = false, a[i] = (skf_answer){hits ? hits + i : NULL, found + i};
+  return ask_many(q, n, rays, a);
 }
 
 static skf_status answer_all(const question *kind, size_t n, const skf_ray *rays, skf_hit *hits, bool *found,
@@ -358,7 +361,7 @@ static skf_status answer_all(const question *kind, size_t n, const skf_ray *rays
 
 skf_status skf_tracer_first_many(const skf_tracer *tracer, size_t n, const skf_ray *rays, skf_hit *hits, bool *found,
                                  skf_ray_report *report) {
-  question q = {.tracer = tracer, .found = take_first, .first = true};
+  question q = {.tracer = tracer, .found = take_first, .first = true, .exact = true};
   return answer_all(&q, n, rays, hits, found, report);
 }
 
