@@ -239,7 +239,7 @@ static skf_status look(skf_cluster *c, double *first) {
 }
 
 /* All members at share s of the step, those that touch there after it. */
-static skf_status cut(skf_cluster *c, double s, skf_status (*told)(void *, size_t, const skf_contact *), void *user) {
+static skf_status cut(skf_cluster *c, double s, const skf_listener *to) {
   skf_status worst = SKF_OK;
   double h = ((const skf_gauss_radau *)member(c, 0)->work)->h;
   for (size_t k = 0; k < c->crowd.n; k++) {
@@ -255,7 +255,7 @@ static skf_status cut(skf_cluster *c, double s, skf_status (*told)(void *, size_
     bool silent;
     at->s = s;
     worst = skf_flight_touch(member(c, k), at, &contact, &silent);
-    if (!worst && !silent) worst = told(user, c->flying[k], &contact);
+    if (!worst && !silent) worst = to->told(to->user, c->flying[k], &contact);
   }
   return worst ? worst : begin(c, h);
 }
@@ -271,8 +271,7 @@ static size_t pressed(const skf_cluster *c) {
   return c->flying[most];
 }
 
-skf_status skf_cluster_step(skf_cluster *c, skf_status (*told)(void *user, size_t i, const skf_contact *contact),
-                            void *user, size_t *failed) {
+skf_status skf_cluster_step(skf_cluster *c, const skf_listener *listener, size_t *failed) {
   const skf_flight_options *o = &c->flights[0]->options;
   double h_max = INFINITY, first;
   size_t rejected = 0;
@@ -286,5 +285,5 @@ skf_status skf_cluster_step(skf_cluster *c, skf_status (*told)(void *user, size_
   }
   if (o->contact == SKF_CONTACT_NONE) return SKF_OK;
   s = look(c, &first);
-  return s || !(first < INFINITY) ? s : cut(c, first, told, user);
+  return s || !(first < INFINITY) ? s : cut(c, first, listener);
 }

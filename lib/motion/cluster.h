@@ -3,7 +3,7 @@
 #ifndef SKF_MOTION_CLUSTER_H
 #define SKF_MOTION_CLUSTER_H
 
-#include "skelfield/motion.h"
+#include "motion/integrator.h"
 
 typedef struct skf_cluster skf_cluster;
 
@@ -17,10 +17,9 @@ void skf_cluster_free(skf_cluster *c);
 /* To be called when the flights have been loaded. */
 void skf_cluster_resume(skf_cluster *c);
 
-/* One step, which ends early at the first contact of any: `told` hears of each contact there. On failure *failed is a
-   particle that stands for it, and nothing has moved. */
-skf_status skf_cluster_step(skf_cluster *c, skf_status (*told)(void *user, size_t i, const skf_contact *contact),
-                            void *user, size_t *failed);
+/* One step, which ends early at the first contact of any: the listener hears of each contact there. On failure *failed
+   is a particle that stands for it, and nothing has moved. */
+skf_status skf_cluster_step(skf_cluster *c, const skf_listener *listener, size_t *failed);
 /* Until when all flights are known; INFINITY when none flies any more. */
 double skf_cluster_time(const skf_cluster *c);
 /* Compares the constants of the motion of all particles together with what they were: in the report of the first. */

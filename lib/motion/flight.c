@@ -232,16 +232,10 @@ void skf_flight_moved(skf_flight *f, const skf_orbit *before) {
   f->report.joins += f->blind && passes_join(f);
 }
 
-skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
-  skf_step_control control = {f->options.tolerance, skf_flight_longest(f, &f->orbit), f->options.step};
-  if (touched) *touched = false;
-  if (f->fate != SKF_FATE_FLIES) return SKF_OK;
-  skf_orbit before = f->orbit;
-  skf_status s = f->ops->step(f->work, &f->ode, &control, &f->orbit, &f->report.rejected);
-  if (s) return s;
-  skf_flight_moved(f, &before);
+/* What the last step meets. */
+static skf_status meet(skf_flight *f, skf_contact *contact, bool *touched) {
   if (f->options.contact == SKF_CONTACT_NONE && !f->near) return SKF_OK;
-  s = skf_flight_know_path(f);
+  skf_status s = skf_flight_know_path(f);
   if (s) return s;
   skf_touch at = skf_flight_look(f);
   if (f->near && f->report.contacts == 0) watch(f, at.found ? at.s : 1);
@@ -254,23 +248,55 @@ skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
   return s;
 }
 
-bool skf_flight_in_flock(const skf_flight *f) {
-  return f->ops->pass && f->options.contact == SKF_CONTACT_NONE && !f->near;
+skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
+  skf_step_control control = {f->options.tolerance, skf_flight_longest(f, &f->orbit), f->options.step};
+  if (touched) *touched = false;
+  if (f->fate != SKF_FATE_FLIES) return SKF_OK;
+  skf_orbit before = f->orbit;
+  skf_status s = f->ops->step(f->work, &f->ode, &control, &f->orbit, &f->report.rejected);
+  if (s) return s;
+  skf_flight_moved(f, &before);
+  return meet(f, contact, touched);
 }
 
-skf_status skf_flights_pass(skf_flight *const *flights, size_t n, double t, skf_status *status) {
+bool skf_flight_in_flock(const skf_flight *f) {
+  return f->ops->pass && (f->options.contact == SKF_CONTACT_NONE || f->ops->path_is_free) && !f->near;
+}
+
+/* A lane's `moved`. */
+static bool look_around(skf_lane *lane) {
+  skf_flight *f = lane->flight;
+  skf_contact c;
+  bool touched = false;
+  f->dense = false;
+  lane->status = meet(f, &c, &touched);
+  if (touched && !lane->status) lane->status = lane->listener->told(lane->listener->user, lane->index, &c);
+  return !lane->status && f->fate == SKF_FATE_FLIES;
+}
+
+skf_status skf_flights_pass(skf_flight *const *flights, size_t n, double t, skf_status *status,
+                            const skf_listener *listener) {
   skf_lane *lanes = skf_alloc(n, sizeof *lanes);
   if (!lanes) return SKF_ERR_NOMEM;
+  size_t m = 0;
   for (size_t i = 0; i < n; i++) {
     skf_flight *f = flights[i];
-    bool moves = f->orbit.t.hi < t && !status[i];
-    lanes[i] = (skf_lane){
-        f->work, &f->orbit, &f->from, &f->report, &f->ode.evaluations, f->options.tolerance, skf_flight_longest,
-        f,       status[i]};
-    if (moves) f->dense = false;
+    if (status[i] || f->fate != SKF_FATE_FLIES || f->orbit.t.hi >= t) continue;
+    f->dense = false;
+    lanes[m++] = (skf_lane){.work = f->work,
+                            .orbit = &f->orbit,
+                            .from = &f->from,
+                            .report = &f->report,
+                            .evaluations = &f->ode.evaluations,
+                            .tolerance = f->options.tolerance,
+                            .longest = skf_flight_longest,
+                            .moved = f->options.contact == SKF_CONTACT_NONE ? NULL : look_around,
+                            .flight = f,
+                            .index = i,
+                            .listener = listener};
   }
-  if (n) flights[0]->ops->pass(&flights[0]->ode, lanes, n, t);
-  for (size_t i = 0; i < n; i++) status[i] = lanes[i].status;
+  if (m) flights[0]->ops->pass(&flights[0]->ode, lanes, m, t);
+  for (size_t k = 0; k < m; k++) status[lanes[k].index] = lanes[k].status;
   return skf_free(lanes), SKF_OK;
 }
 

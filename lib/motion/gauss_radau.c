@@ -259,4 +259,6 @@ const skf_integrator_ops skf_integrator_gauss_radau = {
     .begin = begin,
     .step = step,
     .dense = dense,
+    .pass = skf_radau_pass,
+    .path_is_free = true,
 };

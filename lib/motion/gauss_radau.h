@@ -45,4 +45,7 @@ void skf_radau_finish(skf_gauss_radau *w, const skf_radau_guess *u, double h, sk
 /* Whether the acceleration at its end is what the step says. */
 bool skf_radau_meets(const skf_gauss_radau *w, double h, double size, double tolerance, skf_vec3 a);
 
+/* An integrator's `pass`. */
+void skf_radau_pass(const skf_ode *ode, skf_lane *lanes, size_t n, double until);
+
 #endif

@@ -40,8 +40,15 @@ typedef struct skf_step_control {
   double step;  /* of those with a fixed one, which know neither tolerance nor h_max */
 } skf_step_control;
 
+/* Hears of contacts, of the i-th flight of several. */
+typedef struct skf_listener {
+  skf_status (*told)(void *user, size_t i, const skf_contact *contact);
+  void *user;
+} skf_listener;
+
 /* One of many particles that fly at once. */
-typedef struct skf_lane {
+typedef struct skf_lane skf_lane;
+struct skf_lane {
   void *work;
   skf_orbit *orbit;
   skf_clock *from; /* start of the last step */
@@ -49,9 +56,14 @@ typedef struct skf_lane {
   size_t *evaluations;
   double tolerance;
   double (*longest)(const skf_flight *flight, const skf_orbit *at); /* step from there */
-  const skf_flight *flight;
+  /* Looks at the step that has been taken, and may change the orbit and begin it anew; false when it ends here. NULL:
+     no need to. */
+  bool (*moved)(skf_lane *lane);
+  skf_flight *flight;
+  size_t index; /* of the flight among all */
+  const skf_listener *listener;
   skf_status status;
-} skf_lane;
+};
 
 /* Forces that an integrator takes besides gravity. */
 typedef enum skf_takes { SKF_TAKES_NONE, SKF_TAKES_PUSH, SKF_TAKES_DRAG } skf_takes;
@@ -70,6 +82,8 @@ typedef struct skf_integrator_ops {
   /* Steps of many particles until each one's orbit has reached a time, or its status tells why not; passes over those
      that have a status already. The same bits as of `step`. NULL: they fly one after the other. */
   void (*pass)(const skf_ode *ode, skf_lane *lanes, size_t n, double until);
+  /* `dense` evaluates no force, and `pass` calls `moved`: flights with contact go side by side, too. */
+  bool path_is_free;
 } skf_integrator_ops;
 
 extern const skf_integrator_ops skf_integrator_gauss_radau, skf_integrator_dop853, skf_integrator_rkn12,

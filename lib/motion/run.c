@@ -100,13 +100,46 @@ static size_t slowest(const skf_runner *r, size_t i, size_t m) {
   return row;
 }
 
+/* Contacts of m particles that have waited for time t go to the log. */
+static skf_status log_held(skf_runner *r, size_t first, size_t m, double t) {
+  skf_status s = SKF_OK;
+  for (size_t i = first; i < first + m && !s; i++) {
+    skf_pending *wait = r->waiting + i;
+    if (!wait->held || wait->contact.t > t) continue;
+    wait->held = false;
+    s = skf_contact_log_add(r->logs + omp_get_thread_num(), &wait->contact, wait->sequence++);
+  }
+  return s;
+}
+
+/* A flock's contacts up to the time of its next row go to the log, later ones wait. */
+typedef struct ear {
+  skf_runner *r;
+  size_t first;
+  double t;
+} ear;
+
+static skf_status hear(void *user, size_t i, const skf_contact *c) {
+  const ear *e = user;
+  skf_runner *r = e->r;
+  skf_pending *wait = r->waiting + e->first + i;
+  skf_contact of = *c;
+  of.particle = skf_team_particle(&r->team, e->first + i);
+  if (c->t <= e->t) return skf_contact_log_add(r->logs + omp_get_thread_num(), &of, wait->sequence++);
+  wait->contact = of, wait->held = true;
+  return SKF_OK;
+}
+
 /* Flies m particles side by side to row k of the window. */
 static skf_status fly_together(skf_runner *r, size_t i, size_t m, size_t k) {
   size_t pieces = WINDOWS / r->row_count + 1; /* so that it can be stopped */
   double t = row_time(r, r->first + k), before = r->first + k > 0 ? row_time(r, r->first + k - 1) : r->start;
+  ear e = {r, i, t};
+  skf_status held = log_held(r, i, m, t);
+  if (held) return held;
   for (size_t p = 1; p <= pieces; p++) {
     double part = (double)p / (double)pieces, until = p < pieces ? before + (t - before) * part : t;
-    skf_status s = skf_flights_pass(r->flights + i, m, until, r->status + i);
+    skf_status s = skf_flights_pass(r->flights + i, m, until, r->status + i, &(skf_listener){hear, &e});
     watch(r, (double)m * part);
     if (s) return s;
     if (stopped(r)) return SKF_ERR_CANCELLED;
@@ -137,26 +170,15 @@ static skf_status hold(void *user, size_t i, const skf_contact *c) {
   return SKF_OK;
 }
 
-static skf_status log_held(skf_runner *r, double t) {
-  skf_status s = SKF_OK;
-  for (size_t i = 0; i < r->mine && !s; i++) {
-    skf_pending *wait = r->waiting + i;
-    if (!wait->held || wait->contact.t > t) continue;
-    wait->held = false;
-    s = skf_contact_log_add(r->logs, &wait->contact, wait->sequence++);
-  }
-  return s;
-}
-
 /* All particles to time t. */
 static skf_status fly_cluster_to(skf_runner *r, double t, size_t *failed) {
   double begin = skf_cluster_time(r->cluster), now;
-  skf_status s = log_held(r, t);
+  skf_status s = log_held(r, 0, r->mine, t);
   while (!s && (now = skf_cluster_time(r->cluster)) < t) {
     watch(r, (double)r->mine * (now - begin) / (t - begin));
     if (stopped(r)) return SKF_ERR_CANCELLED;
-    s = skf_cluster_step(r->cluster, hold, r, failed);
-    if (!s) s = log_held(r, t);
+    s = skf_cluster_step(r->cluster, &(skf_listener){hold, r}, failed);
+    if (!s) s = log_held(r, 0, r->mine, t);
   }
   return s;
 }
@@ -183,7 +205,7 @@ static void fly_all(skf_runner *r) {
     fly_cluster(r);
     return;
   }
-  if (skf_flight_in_flock(r->flights[0])) {
+  if (n > 1 && skf_flight_in_flock(r->flights[0])) {
 #pragma omp parallel for schedule(dynamic, 1) num_threads(r->threads) if (n > 1)
     for (size_t i = 0; i < n; i += flock) fly_flock(r, i, n - i < flock ? n - i : flock);
   } else {

@@ -103,6 +103,55 @@ static void company_changes_nothing(void **state) {
   for (int i = 0; i < 3; i++) skf_field_free(f[i]);
 }
 
+/* The same with what happens at a surface: states and contacts are those of each particle alone, with drag, too. */
+static void company_touches_alike(void **state) {
+  (void)state;
+  const skf_force drag = {.type = SKF_FORCE_DRAG, .k = 0.05, .body = 0};
+  skf_attractor body = {field, 9, 1 / TAU, {{1, 0, 0}, {0, 0, 0}, 0.3}};
+  for (int mode = SKF_CONTACT_STOP; mode < 2 * SKF_CONTACT_COUNT; mode++) {
+    skf_world *w;
+    assert_int_equal(skf_world_new_with(&body, 1, &drag, mode >= SKF_CONTACT_COUNT, &w), SKF_OK);
+    skf_flight_options o = {.contact = (skf_contact_mode)(mode % SKF_CONTACT_COUNT), .restitution = 0.9};
+    skf_flight_report reports[COUNT];
+    record *r = calloc(1, sizeof *r);
+    assert_non_null(r);
+    skf_run run = {COUNT, start, 11, 0.7, o};
+    assert_int_equal(skf_run_all(w, &run, &(skf_run_sink){row, contact, r}, NULL, reports, NULL), SKF_OK);
+    assert_int_equal(r->contacts > 0, o.contact != SKF_CONTACT_NONE);
+    for (size_t p = 0; p < COUNT; p++) {
+      skf_flight *alone = fly(w, o, start[p]);
+      double from, to;
+      size_t row = 0, next = 0;
+      do { /* rows of the step, then its contact */
+        skf_contact c;
+        bool touched = false;
+        skf_flight_span(alone, &from, &to);
+        if (to < 11) assert_int_equal(skf_flight_step(alone, &c, &touched), SKF_OK);
+        skf_flight_span(alone, &from, &to);
+        for (; row < r->rows && r->t[row] <= to; row++) {
+          skf_state s;
+          if (touched && r->t[row] >= c.t) break;
+          assert_int_equal(skf_flight_at(alone, r->t[row], &s), SKF_OK);
+          assert_memory_equal(&s, &r->states[row][p], sizeof s);
+        }
+        if (!touched || c.t > 11) continue;
+        while (next < r->contacts && r->log[next].particle != p) next++;
+        assert_true(next < r->contacts);
+        c.particle = p;
+        assert_memory_equal(&c, r->log + next, offsetof(skf_contact, outcome));
+        assert_int_equal(c.outcome, r->log[next++].outcome);
+      } while (row < r->rows);
+      while (next < r->contacts && r->log[next].particle != p) next++;
+      assert_int_equal(next, r->contacts); /* no more of them */
+      skf_flight_report was = skf_flight_get_report(alone);
+      assert_memory_equal(&was, reports + p, sizeof was);
+      skf_flight_free(alone);
+    }
+    free(r);
+    skf_world_free(w);
+  }
+}
+
 /* A particle that meets a singularity ends the run: rows before that time have been delivered. */
 static void failures_say_who_and_when(void **state) {
   (void)state;
@@ -207,6 +256,7 @@ int main(void) {
       cmocka_unit_test(threads_change_nothing),
       cmocka_unit_test(output_does_not_steer),
       cmocka_unit_test(company_changes_nothing),
+      cmocka_unit_test(company_touches_alike),
       cmocka_unit_test(failures_say_who_and_when),
       cmocka_unit_test(interruptions_change_nothing),
       cmocka_unit_test(a_run_is_not_another_one),
