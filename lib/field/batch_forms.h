@@ -12,6 +12,11 @@ static inline bool skf_form_circle(const skf_prepared *e) { return e->plan.arc.f
 static inline bool skf_form_open_arc(const skf_prepared *e) { return !e->plan.arc.full; }
 /* Angles are differences there, good to 2^-53 each. */
 static inline bool skf_form_long_arc(const skf_prepared *e) { return !e->plan.arc.full && e->plan.arc.half > 0.05; }
+/* In widths of the kernel; much longer, and powers of abscissae overflow. */
+static inline bool skf_form_long_segment(const skf_prepared *e) {
+  double width = e->kernel.param * e->plan.segment.length;
+  return width > 1 && width < 1e15;
+}
 
 #define SKF_BATCH_FORMS(X)                                                                                             \
   X(cauchy_point, SKF_CAUCHY, SKF_POINT, skf_form_any)                                                                 \
@@ -30,7 +35,8 @@ static inline bool skf_form_long_arc(const skf_prepared *e) { return !e->plan.ar
   X(quartic_plane, SKF_QUARTIC, SKF_PLANE, skf_form_any)                                                               \
   X(inverse_segment, SKF_INVERSE, SKF_SEGMENT, skf_form_any)                                                           \
   X(cauchy_segment, SKF_CAUCHY, SKF_SEGMENT, skf_form_any)                                                             \
-  X(gaussian_segment, SKF_GAUSSIAN, SKF_SEGMENT, skf_form_any)                                                         \
+  X(gaussian_segment, SKF_GAUSSIAN, SKF_SEGMENT, skf_form_long_segment)                                                \
+  X(gaussian_segment_short, SKF_GAUSSIAN, SKF_SEGMENT, skf_form_any)                                                   \
   X(inverse_squared_segment, SKF_INVERSE_SQUARED, SKF_SEGMENT, skf_form_any)                                           \
   X(quartic_segment, SKF_QUARTIC, SKF_SEGMENT, skf_form_any)                                                           \
   X(soft_object_segment, SKF_SOFT_OBJECT, SKF_SEGMENT, skf_form_any)                                                   \

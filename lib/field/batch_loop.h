@@ -56,6 +56,11 @@ SKF_INLINE skf_v3d vd3_select(skf_vi m, skf_v3d a, skf_v3d b) {
   return (skf_v3d){vd_select(m, a.x, b.x), vd_select(m, a.y, b.y), vd_select(m, a.z, b.z)};
 }
 
+/* a where the mask is set, else 0 */
+SKF_INLINE skf_v3d vd3_keep(skf_vi m, skf_v3d a) {
+  return (skf_v3d){(skf_vd)((skf_vi)a.x & m), (skf_vd)((skf_vi)a.y & m), (skf_vd)((skf_vi)a.z & m)};
+}
+
 /* a b - c d to an ulp or two [Kahan] */
 SKF_INLINE skf_vd vd_det2(skf_vd a, skf_vd b, skf_vd c, skf_vd d) {
   skf_vd q = c * d;
@@ -79,6 +84,8 @@ static inline double *pack1(double *k, double a) {
   *k = a;
   return k + 1;
 }
+/* The exponent of vd_exp2_product for exp(-a^2 w), rounded once */
+static inline double *pack_exponent(double *k, double a) { return pack1(k, (double)(-1.4426950408889634074L * a * a)); }
 static inline double *pack3(double *k, skf_vec3 a) { return pack1(pack1(pack1(k, a.x), a.y), a.z); }
 
 enum { SKF_FLIGHT = 16 };

@@ -18,7 +18,8 @@ static double *point_pack(const skf_prepared *e, double *k) {
   return pack1(pack1(k, strength), compact ? strength / param2 : strength * param2);
 }
 
-/* From d and w = |d|^2, h and twice its derivative by w, the strength in both. */
+/* From d = at - x (the other way round takes a load more) and w = |d|^2, h and twice its derivative by w, the strength
+   in both, the sign of the latter changed. */
 SKF_INLINE skf_vvalue point_result(skf_v3d d, skf_vd h, skf_vd slope, skf_vi good) {
   return (skf_vvalue){h, vd3_scale(slope, d), good};
 }
@@ -36,17 +37,30 @@ SKF_INLINE skf_vvalue inverse_squared_point(const point_row *c, skf_v3d x) {
 }
 
 SKF_INLINE skf_vvalue cauchy_point(const point_row *c, skf_v3d x) {
-  skf_v3d d = vd3_sub(x, c->at);
+  skf_v3d d = vd3_sub(c->at, x);
   skf_vd w = vd3_dot(d, d), y = vd_fma(c->param2, w, vd_set(1)), q = vd_set(1) / y, h = q * q;
-  return point_result(d, c->strength * h, (vd_set(-4) * c->slope * q) * h, y < vd_set(SKF_PICK(1e70, 1e12)));
+  return point_result(d, c->strength * h, (vd_set(4) * c->slope * q) * h, y < vd_set(SKF_PICK(1e70, 1e12)));
 }
 
-SKF_INLINE skf_vvalue gaussian_point(const point_row *c, skf_v3d x) {
-  skf_v3d d = vd3_sub(x, c->at);
-  skf_vd y = c->param2 * vd3_dot(d, d);
-  skf_vi inside = y < vd_set(VD_EXP_MAX), beyond = (y > vd_set(VD_EXP_ZERO)) & (y < vd_set(INFINITY));
-  skf_vd h = (skf_vd)((skf_vi)vd_exp(-vd_min(y, vd_set(VD_EXP_MAX))) & inside);
-  return point_result(d, c->strength * h, vd_set(-2) * c->slope * h, inside | beyond);
+/* exp(-a^2 w) = 2^(exponent w); from `most` on it is not accurate, from `zero` on 0. */
+typedef struct gaussian_row {
+  skf_v3d at;
+  skf_vd exponent, most, zero, strength, slope;
+} gaussian_row;
+
+static double *gaussian_pack(const skf_prepared *e, double *k) {
+  double aa = e->kernel.param * e->kernel.param;
+  k = pack_exponent(pack3(k, e->primitive.point.at), e->kernel.param);
+  k = pack1(pack1(k, VD_EXP_MAX / aa), VD_EXP_ZERO / aa);
+  return pack1(pack1(k, e->strength), 2 * aa * e->strength);
+}
+
+SKF_INLINE skf_vvalue gaussian_point(const gaussian_row *c, skf_v3d x) {
+  skf_v3d d = vd3_sub(c->at, x);
+  skf_vd w = vd3_dot(d, d);
+  skf_vi inside = w < c->most, beyond = (w > c->zero) & (w < vd_set(INFINITY));
+  skf_vd h = (skf_vd)((skf_vi)vd_exp2_product(c->exponent, w) & inside);
+  return point_result(d, c->strength * h, c->slope * h, inside | beyond);
 }
 
 /* R^2 - |d|^2. Next to the rim the plain difference loses R^2 / q; there d and the squares are taken exactly, but for
@@ -55,7 +69,7 @@ SKF_INLINE skf_vd point_power(const point_row *c, skf_v3d x, skf_v3d d, skf_vd w
   skf_vd R = c->param, R2 = c->param2, q = R2 - w;
   skf_vi rim = vd_set(32) * vd_abs(q) < R2;
   if ((int)SKF_PICK(0, 1) || !vi_any(rim)) return q;
-  skf_v3d lo = vd3_lost(x, c->at, d);
+  skf_v3d lo = vd3_lost(c->at, x, d);
   skf_vd pz = d.z * d.z, py = d.y * d.y, px = d.x * d.x;
   skf_vd s = R2 - px, t = s - py, last = t - pz;
   skf_vd low = vd_fms(R, R, R2) + (vd_lost(R2, px, s) + vd_lost(s, py, t) + vd_lost(t, pz, last));
@@ -66,11 +80,11 @@ SKF_INLINE skf_vd point_power(const point_row *c, skf_v3d x, skf_v3d d, skf_vd w
 
 /* h = m^2, or m^2 (5 + 4 m) / 9; m = q / R^2, and 0 beyond R */
 SKF_INLINE skf_vvalue quartic_of(const point_row *c, skf_v3d d, skf_vd m, skf_vi good) {
-  return point_result(d, c->strength * m * m, vd_set(-4) * c->slope * m, good);
+  return point_result(d, c->strength * m * m, vd_set(4) * c->slope * m, good);
 }
 SKF_INLINE skf_vvalue soft_object_of(const point_row *c, skf_v3d d, skf_vd m, skf_vi good) {
   skf_vd h = m * m * vd_fma(vd_set(4. / 9) * c->strength, m, vd_set(5. / 9) * c->strength);
-  return point_result(d, h, m * vd_fma(vd_set(-8. / 3) * c->slope, m, vd_set(-20. / 9) * c->slope), good);
+  return point_result(d, h, m * vd_fma(vd_set(8. / 3) * c->slope, m, vd_set(20. / 9) * c->slope), good);
 }
 
 /* Whether the plain difference, m times a power of two near 1, is far enough from 0: at 2^-10 it leaves some 5e-13 of
@@ -96,13 +110,13 @@ SKF_INLINE skf_vd point_rim(const point_row *c, skf_v3d x, skf_v3d d, skf_vi *go
 
 #define POLYNOMIAL_POINT(name)                                                                                         \
   SKF_INLINE skf_vvalue name##_point(const point_row *c, skf_v3d x) {                                                  \
-    skf_v3d d = vd3_sub(x, c->at);                                                                                     \
+    skf_v3d d = vd3_sub(c->at, x);                                                                                     \
     skf_vi good;                                                                                                       \
     skf_vd m = point_plain(c, d, &good);                                                                               \
     return name##_of(c, d, m, good);                                                                                   \
   }                                                                                                                    \
   SKF_INLINE skf_vvalue name##_rim(const point_row *c, skf_v3d x) {                                                    \
-    skf_v3d d = vd3_sub(x, c->at);                                                                                     \
+    skf_v3d d = vd3_sub(c->at, x);                                                                                     \
     skf_vi good;                                                                                                       \
     skf_vd m = point_rim(c, x, d, &good);                                                                              \
     return name##_of(c, d, m, good);                                                                                   \
@@ -115,16 +129,16 @@ SKF_INLINE skf_vvalue metaball_of(const point_row *c, skf_v3d d, skf_vd w, skf_v
   skf_vi core = vd_set(9) * w <= R2;
   skf_vd per = c->per_param / vd_select(core, R2, r * (r + R)), m = q * r * per;
   skf_vd h = vd_select(core, vd_fnma(vd_set(3) * c->per_param2, w, vd_set(1)), vd_set(1.5) * m * m);
-  skf_vd slope = vd_select(core, vd_set(-6) * c->per_param2, vd_set(-3) * c->per_param * q * per);
+  skf_vd slope = vd_select(core, vd_set(6) * c->per_param2, vd_set(3) * c->per_param * q * per);
   return point_result(d, c->strength * h, c->strength * slope, good & (w < vd_set(INFINITY)));
 }
 SKF_INLINE skf_vvalue metaball_point(const point_row *c, skf_v3d x) {
-  skf_v3d d = vd3_sub(x, c->at);
+  skf_v3d d = vd3_sub(c->at, x);
   skf_vd w = vd3_dot(d, d), q = c->param2 - w;
   return metaball_of(c, d, w, q, point_off_rim(q * c->per_param2));
 }
 SKF_INLINE skf_vvalue metaball_rim(const point_row *c, skf_v3d x) {
-  skf_v3d d = vd3_sub(x, c->at);
+  skf_v3d d = vd3_sub(c->at, x);
   skf_vd w = vd3_dot(d, d);
   return metaball_of(c, d, w, point_power(c, x, d, w), vi_set(-1));
 }
@@ -134,7 +148,7 @@ typedef point_row inverse_squared_point_row;
 SKF_BATCH_POINT(inverse_point, point, skf_again_none)
 SKF_BATCH_POINT(inverse_squared_point, point, skf_again_none)
 SKF_BATCH_POINT(cauchy_point, point, skf_again_none)
-SKF_BATCH_POINT(gaussian_point, point, skf_again_none)
+SKF_BATCH_POINT(gaussian_point, gaussian, skf_again_none)
 SKF_BATCH_POINT(quartic_point, point, quartic_rim)
 SKF_BATCH_POINT(soft_object_point, point, soft_object_rim)
 SKF_BATCH_POINT(metaball_point, point, metaball_rim)

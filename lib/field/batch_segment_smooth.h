@@ -7,13 +7,20 @@
 #include "simd/vecspecial.h"
 
 /* A segment, and what a short one needs: a^2 from the midpoint, m_n = int x^(2n) exp(p (1 - x^2)) dx over [0, 1] by
-   (2n)!, p = (a L / 2)^2. */
+   (2n)!, p = (a L / 2)^2. What a long one needs: its direction times a and by a; the exponent; up to which squares of
+   distances exponentials are accurate, do not count when they are cut there, and from which on nothing is left; a
+   square of abscissae near enough for any distance from the axis. */
 enum { GAUSSIAN_MOMENTS = 7 };
 typedef struct gaussian_span_row {
   segment_row s;
   skf_vd width; /* a L */
   skf_vd m[GAUSSIAN_MOMENTS];
+  skf_v3d up, down;
+  skf_vd exponent, most, seen, zero, axis;
 } gaussian_span_row;
+
+/* So that an exponential cut at VD_EXP_MAX does not count */
+#define GAUSSIAN_SEEN (VD_EXP_MAX - SKF_PICK(40, 17))
 
 static double *gaussian_span_pack(const skf_prepared *e, double *k) {
   double width = e->kernel.param * e->plan.segment.length, pp = 0.5 * width * width, m = 0, factorial = 1;
@@ -24,7 +31,11 @@ static double *gaussian_span_pack(const skf_prepared *e, double *k) {
     if (n < GAUSSIAN_MOMENTS) k[n] = m;
   }
   for (int n = 1; n < GAUSSIAN_MOMENTS; n++) k[n] /= factorial *= (2 * n) * (2 * n - 1);
-  return k + GAUSSIAN_MOMENTS;
+  double a = e->kernel.param, aa = a * a;
+  skf_vec3 along = e->plan.segment.a;
+  k = pack_exponent(pack3(pack3(k + GAUSSIAN_MOMENTS, v3_scale(a, along)), v3_scale(1 / a, along)), a);
+  k = pack1(pack1(pack1(k, VD_EXP_MAX / aa), GAUSSIAN_SEEN / aa), VD_EXP_ZERO / aa);
+  return pack1(k, 64 / (aa * width * width));
 }
 
 /* Squares of a times the distances from the ends and the line; a times the abscissae of the ends, and the width that
@@ -45,6 +56,8 @@ typedef struct gaussian_value {
   skf_vd F, ends, least;
 } gaussian_value;
 
+#define SQRT_PI 1.7724538509055160273
+
 /* int exp(-u^2) du = X(u0) exp(-u0^2) - X(u1) exp(-u1^2), X = vd_erfc_scaled, for 0 <= u0 <= u1; X(u) exp(-u^2) and its
    mirror image add up to sqrt(pi). Where the sum and the width of u0, u1 are so small that this would cancel, its
    Taylor series in delta = (u1^2 - u0^2) / 2 times the exponential at the mean square. */
@@ -56,7 +69,7 @@ SKF_INLINE gaussian_value gaussian_between(const gaussian_view *f, const skf_vd 
   skf_vd third = vd_select(f->brief, vd_set(0.5) * (f->y0 + f->y1), f->yh);
   skf_vd e0 = vd_exp(-vd_min(f->y0, most)), e1 = vd_exp(-vd_min(f->y1, most)), e2 = vd_exp(-vd_min(third, most));
   skf_vd x0 = e0 * vd_erfc_scaled(vd_abs(f->u0)), x1 = e1 * vd_erfc_scaled(vd_abs(f->u1));
-  skf_vd all = vd_fma(vd_set(1.7724538509055160273), e2, -(x0 + x1)), F = vd_select(within, all, vd_abs(x0 - x1));
+  skf_vd all = vd_fma(vd_set(SQRT_PI), e2, -(x0 + x1)), F = vd_select(within, all, vd_abs(x0 - x1));
   skf_vd s = m[GAUSSIAN_MOMENTS - 1];
   for (int n = GAUSSIAN_MOMENTS - 2; n >= 0; n--) s = vd_fma(s, q, m[n]);
   return (gaussian_value){vd_select(f->brief, f->width * e2 * s, F),
@@ -64,10 +77,7 @@ SKF_INLINE gaussian_value gaussian_between(const gaussian_view *f, const skf_vd 
                           vd_select(within & ~f->brief, f->yh, vd_min(f->y0, f->y1))};
 }
 
-/* So that an exponential cut at VD_EXP_MAX does not count */
-#define GAUSSIAN_SEEN (VD_EXP_MAX - SKF_PICK(40, 17))
-
-SKF_INLINE skf_vvalue gaussian_segment(const gaussian_span_row *c, skf_v3d x) {
+SKF_INLINE skf_vvalue gaussian_segment_short(const gaussian_span_row *c, skf_v3d x) {
   const segment_row *s = &c->s;
   segment_view f = segment_see(s, x);
   skf_vd a = s->param, a2 = s->param2, u0 = -a * vd3_dot(f.d0, s->a), u1 = -a * vd3_dot(f.d1, s->a);
@@ -79,43 +89,105 @@ SKF_INLINE skf_vvalue gaussian_segment(const gaussian_span_row *c, skf_v3d x) {
   return (skf_vvalue){F, g, (seen & (f.n2 < vd_set(INFINITY))) | gone};
 }
 
+/* The same of one longer than its width, in stages: the series is never needed. On the axis w is not known well enough
+   far from the nearer end. */
+typedef struct gaussian_segment_state {
+  skf_v3d w;
+  skf_vd u0, u1, y0, y1, yh; /* the squares of the distances, then their exponentials */
+  skf_vd x0, x1;             /* set in the middle */
+  skf_vi seen, good;
+} gaussian_segment_state;
+
+SKF_INLINE skf_vi gaussian_within(skf_vd u0, skf_vd u1) { return ((skf_vi)u0 ^ (skf_vi)u1) < vi_set(0); }
+
+SKF_INLINE void gaussian_segment_begin(const gaussian_span_row *c, skf_v3d x, gaussian_segment_state *s) {
+  skf_v3d d0 = vd3_sub(c->s.from, x), d1 = vd3_sub(c->s.to, x);
+  skf_vd u0 = vd3_dot(d0, c->up), u1 = vd3_dot(d1, c->up), y0 = vd3_dot(d0, d0), y1 = vd3_dot(d1, d1);
+  skf_v3d w = vd3_less(d0, u0, c->down);
+  skf_vd yh = vd3_dot(w, w), least = vd_select(gaussian_within(u0, u1), yh, vd_min(y0, y1));
+  s->w = w, s->u0 = u0, s->u1 = u1, s->yh = yh;
+  s->y0 = vd_min(y0, c->most), s->y1 = vd_min(y1, c->most);
+  s->seen = least < c->seen;
+  s->good = (s->seen & (vd_fma(vd_set(SKF_PICK(256, 1e8)), yh, c->axis) > y0)) | (least > c->zero);
+}
+
+SKF_INLINE void gaussian_segment_exp(const gaussian_span_row *c, gaussian_segment_state *s) {
+  s->y0 = vd_exp2_product(c->exponent, s->y0);
+  s->y1 = vd_exp2_product(c->exponent, s->y1);
+  s->yh = vd_exp2_product(c->exponent, s->yh);
+}
+
+SKF_INLINE void gaussian_segment_top(const gaussian_span_row *c, gaussian_segment_state *s) {
+  (void)c;
+  s->x0 = s->y0 * vd_erfc_top(vd_abs(s->u0)), s->x1 = s->y1 * vd_erfc_top(vd_abs(s->u1));
+}
+SKF_INLINE void gaussian_segment_bottom(const gaussian_span_row *c, gaussian_segment_state *s) {
+  (void)c;
+  s->x0 /= vd_erfc_bottom(vd_abs(s->u0)), s->x1 /= vd_erfc_bottom(vd_abs(s->u1));
+}
+
+SKF_INLINE skf_vvalue gaussian_segment_end(const gaussian_span_row *c, const gaussian_segment_state *s) {
+  skf_vd all = vd_fma(vd_set(SQRT_PI), s->yh, -(s->x0 + s->x1));
+  skf_vd F = c->s.per_param * vd_select(gaussian_within(s->u0, s->u1), all, vd_abs(s->x0 - s->x1));
+  skf_v3d g = vd3_mad(vd3_scale(s->y0 - s->y1, c->s.a), vd_set(2) * c->s.param2 * F, s->w);
+  return (skf_vvalue){(skf_vd)((skf_vi)F & s->seen), vd3_keep(s->seen, g), s->good};
+}
+
 /* inverse_squared.c's segment. With N = r0 r1 and delta the angle of view: F = delta / h, and -int g dt =
-   (delta - sin delta) / h^3 + 2 c L / (N h^2) where c, cos^2 of the mean direction, has the factor h^2 beyond the ends.
- */
+   (delta - sin delta) / h^3 + 2 c L / (N h^2) where c, cos^2 of the mean direction, has the factor h^2 beyond the ends:
+   there and next to the axis, the other lanes' form is below. */
+SKF_INLINE skf_vvalue inverse_squared_segment_close(const segment_row *c, skf_v3d x) {
+  segment_view f = segment_see(c, x);
+  skf_vd one = vd_set(1), L = c->L, NN = f.n0 * f.n1, N = vd_sqrt(NN), h2 = f.n2 * c->per_L2, h = vd_sqrt(h2);
+  skf_vd t0 = -vd3_dot(f.d0, c->a), t1 = -vd3_dot(f.d1, c->a), sum = t0 + t1, cosine = h2 - t0 * t1;
+  skf_vi front = cosine >= vd_set(0);
+  skf_vd A = N + vd_abs(cosine), bottom = vd_select(front, h2, A), top = vd_select(front, A, sum * sum);
+  skf_vd inv = one / (NN * bottom), per_NN = bottom * inv, per_h = one / h;
+  skf_vd delta = vd_angle(h * L, vd3_dot(f.d0, f.d1)), gap = span_gap3(delta, h * L * N * per_NN);
+  skf_vd g = vd_fma(gap * per_h, per_h * per_h, L * top * inv);
+  return (skf_vvalue){delta * per_h, segment_gradient(c, &f, -g, L * sum * per_NN),
+                      vd_sane(NN) & vd_sane(f.n2) & vd_sane(NN * bottom)};
+}
+
+/* With W = h^2 + t^2 at the ends: -int g dt = (F + [t / W]) / h^2, which cancels beyond the ends. */
 typedef struct inverse_squared_segment_state {
-  segment_view f;
-  skf_vd N, h, sum, cosine;          /* cosine: then bottom */
-  skf_vd offset, t, top, inv, per_h; /* set in the middle */
+  skf_v3d w;
+  skf_vd t0, t1, h, h2, WW, inv;
+  skf_vd offset, t; /* set in the middle */
   skf_vi good;
 } inverse_squared_segment_state;
 
 SKF_INLINE void inverse_squared_segment_begin(const segment_row *c, skf_v3d x, inverse_squared_segment_state *s) {
-  segment_view f = segment_see(c, x);
-  skf_vd N = vd_sqrt(f.n0 * f.n1), h2 = f.n2 * c->per_L2, h = vd_sqrt(h2);
-  skf_vd t0 = -vd3_dot(f.d0, c->a), t1 = -vd3_dot(f.d1, c->a);
-  *s = (inverse_squared_segment_state){f, N, h, t0 + t1, h2 - t0 * t1, h2, h2, h2, h2, h2, (skf_vi)h2};
+  skf_v3d d = vd3_sub(c->from, x);
+  skf_vd t0 = vd3_dot(d, c->a), t1 = t0 + c->L;
+  skf_v3d w = vd3_less(d, t0, c->a);
+  skf_vd h2 = vd3_dot(w, w), WW = vd_fma(t0, t0, h2) * vd_fma(t1, t1, h2), bottom = WW * h2;
+  s->w = w, s->t0 = t0, s->t1 = t1, s->h2 = h2, s->WW = WW;
+  s->h = vd_sqrt(h2), s->inv = vd_set(1) / bottom;
+  s->good = vd_sane(bottom) & (vd_set(SKF_PICK(100, 1e8)) * h2 > t0 * t0);
 }
 
 SKF_INLINE void inverse_squared_segment_middle(const segment_row *c, inverse_squared_segment_state *s) {
-  skf_vd NN = s->f.n0 * s->f.n1, one = vd_set(1), h2 = s->f.n2 * c->per_L2, A = s->N + vd_abs(s->cosine);
-  skf_vi front = s->cosine >= vd_set(0);
-  skf_vd bottom = vd_select(front, h2, A);
-  skf_vangle angle = vd_angle_parts(s->h * c->L, vd3_dot(s->f.d0, s->f.d1));
+  skf_vangle angle = vd_angle_parts(s->h * c->L, vd_fma(s->t0, s->t1, s->h2));
   s->offset = angle.offset, s->t = angle.top / angle.bottom;
-  s->top = vd_select(front, A, s->sum * s->sum), s->inv = one / (NN * bottom), s->per_h = one / s->h;
-  s->cosine = bottom;
-  s->good = vd_sane(NN) & vd_sane(s->f.n2) & vd_sane(NN * bottom);
+}
+
+SKF_INLINE void inverse_squared_segment_series(const segment_row *c, inverse_squared_segment_state *s) {
+  (void)c;
+  s->t = vd_angle_series(s->offset, s->t);
 }
 
 SKF_INLINE skf_vvalue inverse_squared_segment_end(const segment_row *c, const inverse_squared_segment_state *s) {
-  skf_vd L = c->L, per_NN = s->cosine * s->inv, ends = L * s->sum * per_NN, per_h = s->per_h;
-  skf_vd delta = vd_angle_series(s->offset, s->t), gap = span_gap3(delta, s->h * L * s->N * per_NN), F = delta * per_h;
-  skf_vd g = vd_fma(gap * per_h, per_h * per_h, L * s->top * s->inv);
-  return (skf_vvalue){F, segment_gradient(c, &s->f, -g, ends), s->good};
+  skf_vd per_h2 = s->inv * s->WW, L_WW = c->L * (s->inv * s->h2), F = s->t * (s->h * per_h2);
+  skf_vd ends1 = vd_fnma(s->t0, s->t1, s->h2) * L_WW, both = F + ends1;
+  skf_v3d g = vd3_mad(vd3_scale((s->t0 + s->t1) * L_WW, c->a), per_h2 * both, s->w);
+  return (skf_vvalue){F, g, s->good & (both > vd_set(SKF_PICK(-0.125, -0.25)) * ends1)};
 }
 
-SKF_BATCH_FORM(gaussian_segment, gaussian_span, skf_again_none)
-SKF_BATCH_WOVEN(inverse_squared_segment, segment, skf_again_none, inverse_squared_segment_middle, skf_stage_none,
-                skf_stage_none)
+SKF_BATCH_FORM(gaussian_segment_short, gaussian_span, skf_again_none)
+SKF_BATCH_STAGED(gaussian_segment, gaussian_span, gaussian_segment_short, gaussian_segment_exp, gaussian_segment_top,
+                 gaussian_segment_bottom)
+SKF_BATCH_STAGED(inverse_squared_segment, segment, inverse_squared_segment_close, inverse_squared_segment_middle,
+                 inverse_squared_segment_series, skf_stage_none)
 
 #endif
