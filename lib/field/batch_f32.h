@@ -9,10 +9,11 @@ enum { SKF_F32_PAD = 16 }; /* points are padded to this, a multiple of every ins
 
 typedef struct skf_f32_ops {
   skf_batch_ops pack; /* columns and pack only */
-  /* strength times F and the gradient, summed over the tile */
-  void (*add[SKF_FORM_COUNT])(const skf_tile *t, size_t n, const float *const p[3], float *const sum[4]);
-  /* out = scale v, but 0 where F is not finite and v is not F */
-  void (*scale)(size_t n, float scale, const float *F, const float *v, float *out);
+  /* strength times F and the gradient, summed over the tile, by scale[0] and scale[1] */
+  void (*add[SKF_FORM_COUNT])(const skf_tile *t, size_t n, const float *const p[3], const double scale[2],
+                              float *const sum[4]);
+  /* out = v, but 0 where F is not finite and v is not F */
+  void (*keep)(size_t n, const float *F, const float *v, float *out);
 } skf_f32_ops;
 
 extern const skf_f32_ops skf_f32_avx2, skf_f32_avx512;

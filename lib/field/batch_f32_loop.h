@@ -26,9 +26,14 @@ SKF_INLINE void sum_float(float *sum, skf_vd strength, skf_vd v, bool first) {
   vd_store(sum, first ? strength * v : vd_fma(strength, v, vd_load(sum)));
 }
 
-static void batch_scale(size_t n, float scale, const float *F, const float *v, float *out) {
+/* What an element's F and gradient are multiplied with */
+typedef struct f32_factor {
+  skf_vd F, g;
+} f32_factor;
+
+static void batch_keep(size_t n, const float *F, const float *v, float *out) {
   for (size_t i = 0; i < n; i += SKF_LANES) {
-    skf_vd f = vd_load(F + i), zero = vd_set(0), r = vd_set((double)scale) * vd_load(v + i);
+    skf_vd f = vd_load(F + i), zero = vd_set(0), r = vd_load(v + i);
     if (v != F) r = vd_select(f - f == zero, r, zero);
     if (n - i >= SKF_LANES)
       vd_store(out + i, r);
@@ -54,48 +59,49 @@ static void batch_scale(size_t n, float scale, const float *F, const float *v, f
 
 /* A vector's value, corrected, into the sum */
 #define SKF_F32_KEEP(name)                                                                                             \
-  SKF_INLINE void name##_keep(const skf_tile *tile, size_t j, const float *const p[3], size_t at, skf_vd strength,     \
+  SKF_INLINE void name##_keep(const skf_tile *tile, size_t j, const float *const p[3], size_t at, f32_factor by,       \
                               skf_vvalue v, float *const sum[4]) {                                                     \
     if (__builtin_expect(!vi_all(v.good), 0)) {                                                                        \
       skf_vvalue w = v;                                                                                                \
       name##_redo(tile, j, p, at, &w);                                                                                 \
       v = w;                                                                                                           \
     }                                                                                                                  \
-    sum_float(sum[0] + at, strength, v.F, j == 0);                                                                     \
-    sum_float(sum[1] + at, strength, v.g.x, j == 0);                                                                   \
-    sum_float(sum[2] + at, strength, v.g.y, j == 0);                                                                   \
-    sum_float(sum[3] + at, strength, v.g.z, j == 0);                                                                   \
+    sum_float(sum[0] + at, by.F, v.F, j == 0);                                                                         \
+    sum_float(sum[1] + at, by.g, v.g.x, j == 0);                                                                       \
+    sum_float(sum[2] + at, by.g, v.g.y, j == 0);                                                                       \
+    sum_float(sum[3] + at, by.g, v.g.z, j == 0);                                                                       \
   }
 
 #define SKF_F32_ADD(name)                                                                                              \
-  static void name##_add(const skf_tile *tile, size_t n, const float *const p[3], float *const sum[4]) {               \
+  static void name##_add(const skf_tile *tile, size_t n, const float *const p[3], const double scale[2],               \
+                         float *const sum[4]) {                                                                        \
     const float *const in[3] = {p[0], p[1], p[2]};                                                                     \
     float *const out[4] = {sum[0], sum[1], sum[2], sum[3]};                                                            \
     for (size_t j = 0; j < tile->count; j++) {                                                                         \
-      const skf_vd strength = vd_set(tile->column[j]);                                                                 \
+      const f32_factor by = {vd_set(tile->column[j] * scale[0]), vd_set(tile->column[j] * scale[1])};                  \
       name##_row row;                                                                                                  \
       row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                             \
-      name##_all(tile, j, &row, strength, n, in, out);                                                                 \
+      name##_all(tile, j, &row, by, n, in, out);                                                                       \
     }                                                                                                                  \
   }
 
 #define SKF_BATCH_PAIRS(name, inner)                                                                                   \
   SKF_F32_KEEP(name)                                                                                                   \
-  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, skf_vd strength, size_t n,         \
+  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, f32_factor by, size_t n,           \
                              const float *const p[3], float *const sum[4]) {                                           \
     size_t i = 0;                                                                                                      \
     for (; i + 2 * SKF_LANES <= n; i += 2 * SKF_LANES) {                                                               \
       skf_vvalue v = name##_value(row, points_load(p, i)), w = name##_value(row, points_load(p, i + SKF_LANES));       \
-      name##_keep(tile, j, p, i, strength, v, sum);                                                                    \
-      name##_keep(tile, j, p, i + SKF_LANES, strength, w, sum);                                                        \
+      name##_keep(tile, j, p, i, by, v, sum);                                                                          \
+      name##_keep(tile, j, p, i + SKF_LANES, by, w, sum);                                                              \
     }                                                                                                                  \
-    for (; i < n; i += SKF_LANES) name##_keep(tile, j, p, i, strength, name##_value(row, points_load(p, i)), sum);     \
+    for (; i < n; i += SKF_LANES) name##_keep(tile, j, p, i, by, name##_value(row, points_load(p, i)), sum);           \
   }                                                                                                                    \
   SKF_F32_ADD(name)
 
 #define SKF_BATCH_STAGES(name, woven, one, two, three)                                                                 \
   SKF_F32_KEEP(name)                                                                                                   \
-  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, skf_vd strength, size_t n,         \
+  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, f32_factor by, size_t n,           \
                              const float *const p[3], float *const sum[4]) {                                           \
     name##_state s[SKF_FLIGHT];                                                                                        \
     for (size_t i = 0, m; i < n; i += m * SKF_LANES) {                                                                 \
@@ -105,7 +111,7 @@ static void batch_scale(size_t n, float scale, const float *F, const float *v, f
       SKF_ROLLED for (size_t u = 0; u < m; u++) two(row, s + u);                                                       \
       SKF_ROLLED for (size_t u = 0; u < m; u++) three(row, s + u);                                                     \
       SKF_ROLLED for (size_t u = 0; u < m; u++)                                                                        \
-          name##_keep(tile, j, p, i + u * SKF_LANES, strength, name##_end(row, s + u), sum);                           \
+          name##_keep(tile, j, p, i + u * SKF_LANES, by, name##_end(row, s + u), sum);                                 \
     }                                                                                                                  \
   }                                                                                                                    \
   SKF_F32_ADD(name)

@@ -130,6 +130,9 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
   SKF_BATCH_COMMON(name, row_name, again)                                                                              \
   SKF_BATCH_STAGES(name, woven, one, two, three)
 
+/* Of a long form there is one copy, that its loops call. */
+#define SKF_OUTLINE static __attribute__((noinline))
+
 #ifdef SKF_VEC_FLOAT
 #include "field/batch_f32_loop.h"
 #else
@@ -238,9 +241,6 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
   for (size_t i = n; i < SKF_LANES; i++)
     if (!v->good[i]) v->good[i] = -1, v->F[i] = v->g.x[i] = v->g.y[i] = v->g.z[i] = 0;
 }
-
-/* Of a long form there is one copy, that its loops call. */
-#define SKF_OUTLINE static __attribute__((noinline))
 
 #define SKF_BATCH_COMMON(name, row_name, again)                                                                        \
   typedef row_name##_row name##_row;                                                                                   \

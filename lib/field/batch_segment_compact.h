@@ -185,11 +185,13 @@ SKF_INLINE skf_vvalue metaball_clipped(const segment_row *c, skf_v3d x, bool exa
   return clip_result(c, &f, &v, s.F, s.g, shell_ends(c, &v, r0, r1));
 }
 
-SKF_OUTLINE skf_vvalue metaball_segment(const segment_row *c, skf_v3d x) { return metaball_clipped(c, x, false); }
-SKF_OUTLINE skf_vvalue metaball_segment_rim(const segment_row *c, skf_v3d x) { return metaball_clipped(c, x, true); }
-
 SKF_BATCH_FORM(quartic_segment, segment, quartic_segment_rim)
 SKF_BATCH_FORM(soft_object_segment, segment, soft_object_segment_rim)
+
+#ifndef SKF_VEC_FLOAT /* floats leave twice the error that they may */
+SKF_OUTLINE skf_vvalue metaball_segment(const segment_row *c, skf_v3d x) { return metaball_clipped(c, x, false); }
+SKF_OUTLINE skf_vvalue metaball_segment_rim(const segment_row *c, skf_v3d x) { return metaball_clipped(c, x, true); }
 SKF_BATCH_FORM(metaball_segment, segment, metaball_segment_rim)
+#endif
 
 #endif

@@ -101,8 +101,11 @@ typedef struct job {
 static void add_rest(const skf_field_f32 *f, size_t n, const float *const p[3], double sum[4][SKF_BATCH]) {
   double x[3][SKF_BATCH], v[4][SKF_BATCH], *const g[3] = {v[1], v[2], v[3]};
   const double *const in[3] = {x[0], x[1], x[2]};
-  for (int k = 0; k < 3; k++)
-    for (size_t i = 0; i < n; i++) x[k][i] = v3_get(f->origin, k) + f->unit * p[k][i];
+  for (int k = 0; k < 3; k++) {
+    double origin = v3_get(f->origin, k), unit = f->unit;
+    const float *from = p[k];
+    for (size_t i = 0; i < n; i++) x[k][i] = origin + unit * (double)from[i];
+  }
   skf_field_eval(f->rest, n, in, v[0], g, NULL);
   for (int k = 0; k < 4; k++)
     for (size_t i = 0; i < n; i++) sum[k][i] += v[k][i];
@@ -140,21 +143,22 @@ static void block(const job *j, size_t from, size_t n) {
   const skf_field_f32 *f = j->f;
   float room[3][SKF_BATCH], part[4][SKF_BATCH], *const to[4] = {part[0], part[1], part[2], part[3]};
   double sum[4][SKF_BATCH];
+  const double scale[2] = {f->top, f->top / f->unit}, one[2] = {1, 1};
   const float *p[3];
   size_t padded = pad(j, from, n, room, p);
   if (plain(f)) {
-    f->ops->add[f->batch.tile->form](f->batch.tile, padded, p, to);
+    f->ops->add[f->batch.tile->form](f->batch.tile, padded, p, scale, to);
     for (int k = 0; k < 4; k++)
-      if (j->out[k]) f->ops->scale(n, (float)(k ? f->top / f->unit : f->top), part[0], part[k], j->out[k] + from);
+      if (j->out[k]) f->ops->keep(n, part[0], part[k], j->out[k] + from);
     return;
   }
   for (int k = 0; k < 4; k++) memset(sum[k], 0, n * sizeof(double));
   for (size_t t = 0; t < f->batch.tiles; t++) {
     const skf_tile *tile = f->batch.tile + t;
-    f->ops->add[tile->form](tile, padded, p, to);
+    f->ops->add[tile->form](tile, padded, p, one, to);
     for (int k = 0; k < 4; k++) {
-      double scale = k ? f->top / f->unit : f->top;
-      for (size_t i = 0; i < n; i++) sum[k][i] += scale * (double)part[k][i];
+      double by = scale[k > 0];
+      for (size_t i = 0; i < n; i++) sum[k][i] += by * (double)part[k][i];
     }
   }
   if (f->rest) add_rest(f, n, p, sum);
@@ -162,14 +166,34 @@ static void block(const job *j, size_t from, size_t n) {
     if (j->out[k]) finish(n, sum, k, j->out[k] + from);
 }
 
+static void blocks(const job *j, size_t from, size_t n) {
+  for (size_t end = from + n; from < end; from += SKF_BATCH)
+    block(j, from, end - from < SKF_BATCH ? end - from : SKF_BATCH);
+}
+
+/* One element, all outputs: straight into them but for the last few points. */
+static void direct(const job *j, size_t from, size_t n) {
+  const skf_field_f32 *f = j->f;
+  const double scale[2] = {f->top, f->top / f->unit};
+  const float *const p[3] = {j->p[0] + from, j->p[1] + from, j->p[2] + from};
+  float *const out[4] = {j->out[0] + from, j->out[1] + from, j->out[2] + from, j->out[3] + from};
+  size_t whole = n / SKF_F32_PAD * SKF_F32_PAD;
+  if (whole > 0) f->ops->add[f->batch.tile->form](f->batch.tile, whole, p, scale, out);
+  if (whole < n) block(j, from + whole, n - whole);
+}
+
 skf_status skf_field_f32_eval(const skf_field_f32 *f, size_t n, const float *const p[3], float *F, float *const g[3]) {
   job j = {f, p, {F, g ? g[0] : NULL, g ? g[1] : NULL, g ? g[2] : NULL}};
   size_t elements = f->batch.elements + (f->rest ? 4 * skf_field_size(f->rest) : 0);
+  bool straight = plain(f) && f->batch.elements == 1 && j.out[0] && j.out[1] && j.out[2] && j.out[3];
+  void (*range)(const job *, size_t, size_t) = straight ? direct : blocks;
   if (n * elements < 8192) { /* as in skf_batch_eval */
-    for (size_t from = 0; from < n; from += SKF_BATCH) block(&j, from, n - from < SKF_BATCH ? n - from : SKF_BATCH);
+    range(&j, 0, n);
     return SKF_OK;
   }
-#pragma omp parallel for schedule(dynamic, 4)
-  for (size_t from = 0; from < n; from += SKF_BATCH) block(&j, from, n - from < SKF_BATCH ? n - from : SKF_BATCH);
+  size_t share = n / (4 * (size_t)omp_get_max_threads()), step = share / SKF_BATCH * SKF_BATCH;
+  if (step < SKF_BATCH) step = SKF_BATCH;
+#pragma omp parallel for schedule(dynamic)
+  for (size_t from = 0; from < n; from += step) range(&j, from, n - from < step ? n - from : step);
   return SKF_OK;
 }

@@ -212,8 +212,9 @@ SKF_API skf_status skf_field_f32_new(const skf_field *field, skf_vec3 origin, do
 SKF_API void skf_field_f32_free(skf_field_f32 *field);
 
 /* As skf_field_eval, in the field's own units: the gradient is per length of x, not of p. With AVX2 and FMA or AVX-512,
-   seven kernels at points, inverse and Cauchy kernels on segments, Cauchy arcs, circles of both and inverse triangles
-   are evaluated in floats, eight or sixteen points at once; everything else in doubles, then rounded.
+   all kernels at points and planes, all but the metaball's on segments, 1/r, 1/r^2 and Cauchy kernels on arcs and
+   circles, Gaussian circles and 1/r triangles are evaluated in floats, eight or sixteen points at once; everything else
+   in doubles, then rounded.
    Error, in units of 6e-8 = 2^-24: 16 (triangles 512) of |F| and of |g|, and what F and g change when the point moves
    by 4 units of the largest coordinate |p| or vertex of the body; for sums, of the sum of the magnitudes. What exceeds
    the range of floats becomes infinite or, below 1e-36 of the largest strength, 0. */
