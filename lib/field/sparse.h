@@ -35,6 +35,9 @@ static inline bool skf_sparse_apart(const skf_box *a, const skf_box *b) {
          a->hi.z < b->lo.z;
 }
 
+/* How much of a box is within reach */
+double skf_sparse_share(const skf_box *reach, const skf_box *box);
+
 /* The box of n points; all of space when one of them is not finite. */
 skf_box skf_sparse_around(size_t n, const double *const p[3]);
 
