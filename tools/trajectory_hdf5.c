@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Trajectories as HDF5: t (T), position and velocity (T, N, 3), on request place (T, N, 3) and invariants (T, N, 6),
-   particles, bodies, contacts, and the scene and version as attributes. No wall time: the same run gives the same data.
- */
+   particles, bodies, contacts, the scene's text, and as attributes the program, its version, the frame and the seeds.
+   No wall time: the same run gives the same data. */
 #include "trajectory.h"
 #include <stdlib.h>
 #include <string.h>
@@ -146,11 +146,36 @@ static char *slurp(const char *path, size_t *length) {
   return *length = n, text;
 }
 
+static bool integers_attribute(hid_t at, const char *name, int rank, const hsize_t *shape, const long long *values) {
+  hid_t space = H5Screate_simple(rank, shape, NULL);
+  hid_t a = H5Acreate2(at, name, H5T_NATIVE_LLONG, space, H5P_DEFAULT, H5P_DEFAULT);
+  bool ok = a >= 0 && H5Awrite(a, H5T_NATIVE_LLONG, values) >= 0;
+  if (a >= 0) H5Aclose(a);
+  H5Sclose(space);
+  return ok;
+}
+
+/* `seed` of each source that draws its particles, and `seeded`: their first one and how many. */
+static bool seeds(run_hdf5 *w) {
+  enum { MOST = 1000 }; /* attributes are limited to 64 kB */
+  const skf_scene *scene = w->table->scene;
+  size_t n = scene->drawn_count < MOST ? scene->drawn_count : MOST;
+  long long seed[MOST], range[MOST][2];
+  for (size_t i = 0; i < n; i++) {
+    const skf_drawn *d = scene->drawn + i;
+    seed[i] = d->seed, range[i][0] = (long long)d->first, range[i][1] = (long long)d->count;
+  }
+  hsize_t shape[2] = {n, 2};
+  return n == 0 || (integers_attribute(w->file, "seed", 1, shape, seed) &&
+                    integers_attribute(w->file, "seeded", 2, shape, range[0]));
+}
+
 static bool describe(run_hdf5 *w) {
   size_t length;
   char *text = slurp(w->table->scene_path, &length);
   bool ok = text_attribute(w->file, "program", "skelfield") && text_attribute(w->file, "version", skf_version());
   ok = ok && text_attribute(w->file, "frame", w->table->turning ? "body" : "inertial");
+  ok = ok && seeds(w);
   if (text && length > 0) ok = ok && text_data(w->file, "scene", text, length);
   free(text);
   ok = ok && names(w, "particles", w->table->scene->particle_count, particle_name);

@@ -237,6 +237,7 @@ void skf_scene_free(skf_scene *scene) {
     if (!scene->particles[i].sourced) skf_free(scene->particles[i].name);
   for (size_t i = 0; i < scene->name_pool_count; i++) skf_free(scene->name_pools[i]);
   skf_free(scene->name_pools);
+  skf_free(scene->drawn);
   skf_free(scene->bodies);
   skf_free(scene->particles);
   skf_free(scene->lights);

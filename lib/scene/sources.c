@@ -256,6 +256,17 @@ static uint32_t stream_of(const char *name) {
   return h;
 }
 
+/* Notes the seed of the next n particles, if it matters to them. */
+static skf_status keep_seed(skf_reader *r, const skf_source *c, size_t n) {
+  skf_scene *scene = r->scene;
+  if (c->kind == SKF_SOURCE_GRID && !(c->spread > 0)) return SKF_OK;
+  skf_drawn *more = skf_realloc(scene->drawn, scene->drawn_count + 1, sizeof *more);
+  if (!more) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+  scene->drawn = more;
+  more[scene->drawn_count++] = (skf_drawn){scene->particle_count, n, (long long)c->seed};
+  return SKF_OK;
+}
+
 skf_status skf_add_source(skf_reader *r, const skf_source *source, const char *name, long line) {
   double total =
       source->kind == SKF_SOURCE_GRID ? source->counts[0] * source->counts[1] * source->counts[2] : source->count;
@@ -265,6 +276,7 @@ skf_status skf_add_source(skf_reader *r, const skf_source *source, const char *n
   size_t n = (size_t)total, size = skf_source_name_size(name, n);
   char *names = skf_alloc(n, size);
   s = skf_keep_names(r, names);
+  if (!s) s = keep_seed(r, source, n);
   for (size_t i = 0; i < n && !s; i++) {
     place(source, stream_of(name), i, p + i);
     p[i].sourced = true, p[i].line = line, p[i].name = names + i * size;

@@ -86,13 +86,20 @@ typedef struct skf_scene_image {
   skf_image pixels; /* rgb is NULL until then */
 } skf_scene_image;
 
+/* Particles first .. first + count - 1, which a source has drawn at random. */
+typedef struct skf_drawn {
+  size_t first, count;
+  long long seed;
+} skf_drawn;
+
 typedef struct skf_scene {
   double G;
   size_t body_count, particle_count, light_count;
   skf_body *bodies;
   skf_particle *particles;
-  size_t name_pool_count;
+  size_t name_pool_count, drawn_count;
   char **name_pools;
+  skf_drawn *drawn;
   skf_light *lights;
   size_t force_count;
   skf_force *forces; /* besides gravity */

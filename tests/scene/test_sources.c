@@ -155,6 +155,9 @@ static void seeds(void **state) {
     assert_memory_equal(&b->velocity, &t->particles[i].velocity, sizeof b->velocity);
     assert_true(v3_dist(b->position, c->position) > 0 && v3_dist(b->position, u->particles[i].position) > 0);
   }
+  assert_int_equal(s->drawn_count, 3);
+  assert_true(s->drawn[1].first == 3 && s->drawn[1].count == 9 && s->drawn[1].seed == 1);
+  assert_true(u->drawn_count == 1 && u->drawn[0].seed == 2);
   skf_scene_free(s), skf_scene_free(t), skf_scene_free(u);
 }
 
