@@ -418,7 +418,8 @@ const cli_command cmd_simulate = {
     sizeof options / sizeof *options,
     "in:  a scene with particles, or bodies that have `motion`, and a simulation\n"
     "out: t,particle,x,y,z,vx,vy,vz at t = 0, output_every, ..., t_end, by time, then particle; inertial frame.\n"
-    "     HDF5: t (T), position and velocity (T, N, 3), place (T, N, 3), particles, bodies, contacts, scene; attributes\n"
+    "     HDF5: t (T), position and velocity (T, N, 3), place (T, N, 3), particles, bodies, contacts, scene; "
+    "attributes\n"
     "     program, version, frame, seed of each source that draws, seeded: its first particle and how many\n"
     "invariants: energy,jacobi,lx,ly,lz,l_axis (HDF5: invariants, (T, N, 6)), per unit mass, constant or not: kinetic "
     "+\n"

@@ -54,20 +54,23 @@ export ASAN_OPTIONS=${ASAN_OPTIONS:-}:detect_leaks=0
 # share N ARGUMENTS...: runs N processes
 share() { timeout 120 mpirun --oversubscribe --mca mpi_yield_when_idle 1 -n "$1" "$SKF_PROGRAM" "${@:2}"; }
 
-formats=csv
+bins= formats=csv
+has geographiclib && bins="--contact-bins bins.csv"
 has hdf5 && formats="csv h5"
 for f in $formats; do
-  run simulate rain.yaml -o whole.$f --contacts whole-hits.csv --json
+  run simulate rain.yaml -o whole.$f --contacts whole-hits.csv --json $bins
   expect_status "one process, $f" 0
   cp "$kept/out" whole.json
   cp "$kept/err" whole.err
+  [ -z "$bins" ] || mv bins.csv whole-bins.csv
   counts="1 2 3 4"
   [ $f = csv ] || counts=3
   for n in $counts; do
-    runs share $n simulate rain.yaml -o run.$f --contacts hits.csv --json
+    runs share $n simulate rain.yaml -o run.$f --contacts hits.csv --json $bins
     expect_status "$n processes, $f" 0
     expect_same "the same rows" whole.$f run.$f
     expect_same "the same contacts" whole-hits.csv hits.csv
+    [ -z "$bins" ] || expect_same "the same bins" whole-bins.csv bins.csv
     expect_same "the same summary" whole.json out
     expect "the same words" cmp whole.err "$kept/err"
   done
@@ -84,6 +87,10 @@ rm -f ./*.json ./*.err two.* three.csv
 runs share 2 simulate no.yaml
 expect_status "no scene" 2
 expect "is told once" [ "$(grep -c '^skelfield: no.yaml' "$kept/err")" = 1 ]
+sed '/rain,/s/name: rain, /&mass: 1, /' rain.yaml >heavy.yaml
+runs share 2 simulate heavy.yaml -o heavy.csv
+expect_status "particles that attract each other" 2
+expect_err "are refused" "^skelfield: heavy.yaml:7: particle 'rain-[0-9]*' has a mass, but 2 processes share the run"
 scene 5 stick >stick.yaml
 runs timeout 60 mpirun --oversubscribe -n 1 "$SKF_PROGRAM" simulate rain.yaml -o a.csv : -n 1 "$SKF_PROGRAM" simulate stick.yaml -o a.csv
 expect_status "two scenes" 2
@@ -91,7 +98,7 @@ expect_err "are told" '^skelfield: process 1 flies another scene'
 runs share 2 simulate rain.yaml -o no-folder/run.csv
 expect_status "a table that cannot be written" 1
 expect "nothing is made" [ ! -e a.csv ]
-rm stick.yaml
+rm stick.yaml heavy.yaml
 
 # In the background, as the process that kill reaches.
 share_on() { exec mpirun --oversubscribe --mca mpi_yield_when_idle 1 -n "$1" "$SKF_PROGRAM" "${@:2}" </dev/null >/dev/null 2>"$kept/err"; }
