@@ -44,6 +44,7 @@ typedef struct skf_kiss {
   skf_vec3 at, normal; /* inertial; from a to b */
   double approach;     /* speed along the normal, positive when they come closer */
   double depth;
+  bool summit; /* nowhere nearby are they deeper in each other, to second order */
 } skf_kiss;
 
 /* Newton's method from a guess, with p and t free: where F_a = F_b = iso and the gradients are opposite. False when it
@@ -52,5 +53,38 @@ bool skf_kiss_in_time(const skf_duel *d, double t, skf_vec3 p, double reach, dou
 
 /* The same at a fixed time: where both are equally deep and the gradients are opposite; the depth may be negative. */
 bool skf_kiss_at(const skf_duel *d, double t, skf_vec3 p, double reach, skf_kiss *out);
+
+/* A place where two solids are close to touching. */
+typedef struct skf_spot {
+  skf_vec3 p;          /* frame of a */
+  skf_vec3 at, normal; /* inertial; from a to b */
+  double gap;          /* between the surfaces, to first order; negative where they overlap */
+  skf_vec3 push;       /* on b, as the solver left it: mean force over the last step, */
+  skf_vec3 twist;      /* and torque of rolling friction */
+  bool lost;           /* Newton's method did not follow it */
+} skf_spot;
+
+enum { SKF_SPOTS = 24 };
+
+/* Balls, frame of a. */
+typedef struct skf_leaf_cell {
+  skf_vec3 center;
+  double radius;
+} skf_leaf_cell;
+
+typedef struct skf_leaves {
+  size_t n, capacity;
+  skf_leaf_cell *cell;
+} skf_leaves;
+
+/* The places where two solids, in their poses at time 0, come closest to each other, and cells around: certified, up to
+   rounding, that while no place of b's material near a moves against a's by more than `margin`, the two meet nowhere
+   but in those. Fills spots[SKF_SPOTS] with the nearest place from each cell; those within 0.02 of a's radius of each
+   other are one. SKF_ERR_CONVERGENCE when it takes more than 400,000 cells, or SKF_ERR_NOMEM. */
+skf_status skf_near_find(const skf_duel *d, double margin, skf_spot *spots, int *count, skf_leaves *leaves);
+
+/* Looks through the cells again in other poses within the margin: those where the two cannot meet are dismissed for
+   certain, from the others the nearest places are looked for. New ones are added. SKF_ERR_NOMEM, or SKF_OK. */
+skf_status skf_near_check(const skf_duel *d, const skf_leaves *leaves, skf_spot *spots, int *count);
 
 #endif

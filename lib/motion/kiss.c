@@ -5,6 +5,9 @@
 
 /* Of the coordinates: a gap that Newton's method closes to this is closed. */
 #define CLOSED (64 * DBL_EPSILON)
+/* Over the size of a: makes the equations solvable where the two are equally deep along a line, as a ring on a plane.
+ */
+#define DAMPING 1e-7
 
 enum { MOST = 5, ROUNDS = 30 };
 
@@ -85,10 +88,22 @@ static void opposite(const pair *s, double mu, double scale, double A[MOST][MOST
   }
 }
 
+/* The sum of both curvatures of F along the surfaces, e and f being tangents. */
+static double curvature(const pair *s, skf_vec3 e, skf_vec3 f) {
+  return v3_dot(e, times(s->ha, f)) / v3_norm(s->ga) + v3_dot(to_b(s, e), times(s->hb, to_b(s, f))) / v3_norm(s->gb);
+}
+
+static bool is_summit(const pair *s) {
+  skf_vec3 n = v3_unit(s->ga), e = v3_perp(n), f = v3_cross(n, e);
+  double x = curvature(s, e, e), m = curvature(s, e, f), y = curvature(s, f, f);
+  double flat = 1e-6 * (fabs(x) + fabs(m) + fabs(y));
+  return x <= flat && y <= flat && x * y - m * m >= -flat * (fabs(x) + fabs(y));
+}
+
 static void describe(const pair *s, double t, skf_vec3 p, skf_kiss *out) {
   double a = v3_norm(s->ga), b = v3_norm(s->gb);
   skf_vec3 n = v3_unit(v3_sub(v3_scale(1 / b, s->gb), v3_scale(1 / a, s->ga)));
-  *out = (skf_kiss){t, p, s->x, quat_turn(s->pa.q, 1, n), v3_dot(s->w, n), s->fa / a + s->fb / b};
+  *out = (skf_kiss){t, p, s->x, quat_turn(s->pa.q, 1, n), v3_dot(s->w, n), s->fa / a + s->fb / b, is_summit(s)};
 }
 
 static bool is_opposite(const pair *s) {
@@ -139,6 +154,7 @@ bool skf_kiss_at(const skf_duel *d, double t, skf_vec3 p, double reach, skf_kiss
     if (i == 0) mu = a / b;
     opposite(&s, mu, 1 / a, A, r);
     for (int j = 0; j < 3; j++) A[3][j] = v3_get(s.ga, j) / a - v3_get(s.gb, j) / b;
+    for (int j = 0; j < 3; j++) A[j][j] -= DAMPING / d->a->radius;
     A[3][3] = 0;
     r[3] = -(s.fa / a - s.fb / b);
     if (!solve(4, A, r)) return false;

@@ -13,10 +13,6 @@
 #define NEARER  0.999
 /* No body turns further in one step, where another one may be near [rad]. */
 #define TURN 0.1
-/* Hits without time going on by this part of the time that a body takes to move by its size, before they count as rest.
- */
-#define MOMENT 1e-7
-#define WEDGED 200
 
 static skf_mover *body(const skf_swarm *s, size_t i) { return s->bodies + i; }
 
@@ -74,14 +70,14 @@ static void start(const skf_mover *m, double *y) {
   if (!m->free) memset(y + 3, 0, 3 * sizeof *y), memset(y + 10, 0, 3 * sizeof *y);
 }
 
-/* A first step: a part of the shortest time in which a body crosses its size or turns. */
-static double pace(const skf_swarm *s) {
+double skf_swarm_pace(const skf_swarm *s, const double *slope) {
   double T = INFINITY;
   for (size_t i = 0; i < s->n; i++) {
     if (!body(s, i)->free) continue;
     skf_attitude a = skf_mover_at(s, s->y, i);
-    double R = body(s, i)->hull->radius;
-    T = fmin(T, fmin(R / v3_norm(a.v), fmin(1 / v3_norm(a.w), sqrt(R / v3_norm(s->options.gravity)))));
+    const double *d = slope + i * SKF_MOVER_STATE + 3;
+    double R = body(s, i)->hull->radius, fall = v3_norm(v3(d[0], d[1], d[2]));
+    T = fmin(T, fmin(R / v3_norm(a.v), fmin(1 / v3_norm(a.w), sqrt(R / fall))));
   }
   return isfinite(T) ? T : 1;
 }
@@ -90,7 +86,8 @@ skf_status skf_swarm_new(const skf_rigid_body *bodies, size_t n, const skf_rigid
   *out = NULL;
   skf_rigid_options o = *options;
   if (o.tolerance == 0) o.tolerance = 1e-12;
-  bool fine = o.tolerance > 0 && o.tolerance <= 0.1 && o.restitution >= 0 && o.restitution <= 1 && o.friction >= 0;
+  bool fine = o.tolerance > 0 && o.tolerance <= 0.1 && o.restitution >= 0 && o.restitution <= 1;
+  fine = fine && o.friction >= 0 && o.rolling >= 0 && isfinite(o.rolling);
   if (!fine || !isfinite(o.G) || !v3_finite(o.gravity) || !isfinite(o.friction)) return SKF_ERR_ARG;
   skf_swarm *s = skf_alloc(1, sizeof *s);
   if (!s) return SKF_ERR_NOMEM;
@@ -98,20 +95,25 @@ skf_status skf_swarm_new(const skf_rigid_body *bodies, size_t n, const skf_rigid
   s->bodies = skf_alloc(n, sizeof *s->bodies);
   s->y = skf_alloc(2 * n * SKF_MOVER_STATE, sizeof *s->y);
   s->work = skf_alloc(skf_swarm_work(n), sizeof *s->work);
-  skf_status bad = s->bodies && s->y && s->work ? SKF_OK : SKF_ERR_NOMEM;
+  s->slope = skf_alloc(n * (2 * SKF_MOVER_STATE + 6), sizeof *s->slope);
+  s->touches = skf_alloc(n, sizeof *s->touches);
+  skf_status bad = s->bodies && s->y && s->work && s->slope && s->touches ? SKF_OK : SKF_ERR_NOMEM;
+  if (!bad) s->ideal = s->slope + n * SKF_MOVER_STATE, s->speeds = s->ideal + n * SKF_MOVER_STATE;
   for (size_t i = 0; i < n && !bad; i++) {
     bad = set(s->bodies + i, bodies + i);
     if (!bad) start(s->bodies + i, s->y + i * SKF_MOVER_STATE);
   }
   if (bad) return skf_swarm_free(s), bad;
-  s->h = 0.1 * pace(s);
+  s->h = skf_swarm_slope(s, s->y, s->slope) ? 0.1 * skf_swarm_pace(s, s->slope) : 1e-3;
   return *out = s, SKF_OK;
 }
 
 void skf_swarm_free(skf_swarm *s) {
   if (!s) return;
   for (size_t i = 0; i < s->n && s->bodies; i++) skf_collider_free(s->bodies[i].hull), skf_free(s->bodies[i].node);
-  skf_free(s->bodies), skf_free(s->y), skf_free(s->work);
+  skf_free(s->bodies), skf_free(s->y), skf_free(s->work), skf_free(s->slope), skf_free(s->touches);
+  skf_bonds_clear(&s->here);
+  skf_free(s->here.bond), skf_free(s->there.bond), skf_free(s->spare.bond), skf_free(s->press);
   skf_free(s);
 }
 
@@ -130,16 +132,6 @@ static skf_rigid_motion motion_of(const skf_swarm *s, const double *y, const dou
   return m;
 }
 
-/* Whether two bodies may meet while they come closer by no more than `way`: by the balls about their centers of mass.
- */
-static bool close_by(const skf_swarm *s, size_t i, size_t j, double way) {
-  const skf_collider *a = body(s, i)->hull, *b = body(s, j)->hull;
-  if (!a->bounded || !b->bounded) return true;
-  skf_attitude p = skf_mover_at(s, s->y, i), q = skf_mover_at(s, s->y, j);
-  double R = a->radius + v3_dist(a->center, body(s, i)->center) + b->radius + v3_dist(b->center, body(s, j)->center);
-  return v3_dist(p.x, q.x) <= (R + way) * (1 + 1e-12);
-}
-
 /* The longest step that the turns of bodies near to each other allow. */
 static double longest(const skf_swarm *s, double h) {
   for (size_t i = 0; i < s->n; i++)
@@ -147,7 +139,7 @@ static double longest(const skf_swarm *s, double h) {
       if (!body(s, i)->free && !body(s, j)->free) continue;
       skf_attitude a = skf_mover_at(s, s->y, i), b = skf_mover_at(s, s->y, j);
       double way = 2 * h * (v3_norm(a.v) + v3_norm(b.v)) + 2 * h * h * v3_norm(s->options.gravity);
-      if (!close_by(s, i, j, way)) continue;
+      if (!skf_swarm_close(s, i, j, way)) continue;
       h = fmin(h, TURN / fmax(v3_norm(a.w), v3_norm(b.w)));
     }
   return h;
@@ -179,7 +171,7 @@ static skf_status meet(const skf_swarm *s, const double *to, size_t i, size_t j,
   skf_rigid_motion a = motion_of(s, s->y, to, i, h), b = motion_of(s, s->y, to, j, h);
   double way = v3_dist(a.velocity, b.velocity) * h + 0.5 * v3_dist(a.acceleration, b.acceleration) * h * h;
   *m = (skf_meet){.meeting = SKF_MEETING_APART};
-  if (!close_by(s, i, j, way)) return SKF_OK;
+  if (!skf_swarm_close(s, i, j, way)) return SKF_OK;
   for (double from = 0; from < until; from = fmax(2 * from, 2 * moment(s, to, i, j))) {
     skf_status bad = skf_collide_first(body(s, i)->hull, &a, body(s, j)->hull, &b, from, until, m);
     if (bad || m->meeting == SKF_MEETING_APART || m->t > from) return bad;
@@ -207,13 +199,20 @@ static skf_status look(const skf_swarm *s, const double *to, double h, skf_rigid
 
 skf_status skf_swarm_run(skf_swarm *s, double t, skf_status (*told)(void *, const skf_rigid_hit *), void *user) {
   size_t n = s->n * SKF_MOVER_STATE;
-  double *to = s->y + n, since = s->t;
-  int hits = 0;
+  double *to = s->y + n;
   double ahead = INFINITY; /* time left to a hit that is known */
   if (!isfinite(t) || t < s->t) return SKF_ERR_ARG;
   if (t - s->t < 64 * DBL_EPSILON * fabs(t)) s->t = t; /* no step is that short */
+  skf_bonds_clear(&s->here);                           /* so that a run goes on from the state alone */
   while (s->t < t) {
-    double h, tick = 64 * DBL_EPSILON * fabs(t), most = longest(s, fmin(fmin(s->h, t - s->t), fmax(2 * ahead, tick)));
+    double h, tick = 64 * DBL_EPSILON * fabs(t);
+    if (s->leaning) {
+      skf_status stuck = skf_swarm_is_still(s) ? SKF_OK : skf_rest_step(s, t - s->t, told, user);
+      if (stuck) return stuck;
+      if (t - s->t <= tick || skf_swarm_is_still(s)) s->t = t;
+      continue;
+    }
+    double most = longest(s, fmin(fmin(s->h, t - s->t), fmax(2 * ahead, tick)));
     skf_rigid_hit hit = {.t = 0};
     bool found;
     skf_status bad = skf_swarm_extrapolate(s, most, to, &h);
@@ -228,18 +227,19 @@ skf_status skf_swarm_run(skf_swarm *s, double t, skf_status (*told)(void *, cons
       ahead = INFINITY;
     }
     hit.t = s->t;
-    if (!found || !skf_swarm_strike(s, &hit)) { /* nothing, or they leave each other */
+    double hop = found && skf_swarm_slope(s, s->y, s->slope) ? skf_swarm_hop(s, s->slope, hit.a, hit.b) : 0;
+    if (!found || !skf_swarm_strike(s, &hit, hop)) { /* nothing, or they leave each other */
       memcpy(s->y, to, n * sizeof *to);
       s->t = t - s->t - h > tick ? s->t + h : t;
       continue;
     }
-    hits = s->t - since < MOMENT * pace(s) ? hits + 1 : 0;
-    since = s->t;
-    if (hits > WEDGED) return SKF_ERR_CONVERGENCE;
+    s->leaning = true; /* until they are apart again */
     if (told && (bad = told(user, &hit))) return bad;
   }
   return SKF_OK;
 }
+
+bool skf_swarm_is_still(const skf_swarm *s) { return s->still >= SKF_STILL; }
 
 double skf_swarm_time(const skf_swarm *s) { return s->t; }
 
