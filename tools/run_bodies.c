@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run_bodies.h"
+#include "same_shape.h"
+#include "core/vec3.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +15,7 @@ typedef struct bodies {
   cli_out rows, hits;
   bool log;
   size_t hit_count;
+  double still; /* row from which nothing moves */
 } bodies;
 
 bool bodies_move(const skf_scene *scene) {
@@ -34,6 +37,9 @@ static int check(const cli *c, const skf_scene *scene) {
     return cli_fail(CLI_BAD, "%s: bodies move, expected no --checkpoint and no --resume", path);
   if (cli_given(c, "output") || cli_given(c, "ground-track") || cli_given(c, "json"))
     return cli_fail(CLI_BAD, "%s: bodies that move, expected --bodies and --contacts alone", path);
+  for (size_t i = 0; i < scene->force_count; i++)
+    if (scene->forces[i].type != SKF_FORCE_PUSH)
+      return cli_fail(CLI_BAD, "%s: drag among bodies that move, expected no other force than push", path);
   for (size_t i = 0; i < scene->body_count; i++)
     if (scene->bodies[i].spin.rate != 0)
       return cli_fail(CLI_BAD, "%s:%ld: body '%s' has a spin among bodies that move, expected motion instead", path,
@@ -49,11 +55,21 @@ static double mass_of(const skf_body *b) {
   return b->rho * sum;
 }
 
-static int set(const cli *c, const skf_body *b, skf_rigid_body *out) {
+/* Those of a body of the same shape where there is one before it: it takes seconds. */
+static skf_status solve_mass(const skf_scene *scene, size_t i, const skf_rigid_body *all, skf_mass *out) {
+  const skf_body *b = scene->bodies + i;
+  for (size_t k = 0; k < i; k++)
+    if (scene->bodies[k].moves && same_shape(scene->bodies + k, b, &all[k].solid, out)) return SKF_OK;
+  return skf_mass_of(b->field, b->iso, MASS_TOLERANCE, out);
+}
+
+static int set(const cli *c, const skf_scene *scene, size_t i, skf_rigid_body *all) {
+  const skf_body *b = scene->bodies + i;
+  skf_rigid_body *out = all + i;
   const char *path = cli_operand(c, 0);
   *out = (skf_rigid_body){.field = b->field, .iso = b->iso, .density = b->rho, .start = {.q = {1, 0, 0, 0}}};
   if (!b->moves) return CLI_DONE;
-  skf_status s = skf_mass_of(b->field, b->iso, MASS_TOLERANCE, &out->solid);
+  skf_status s = solve_mass(scene, i, all, &out->solid);
   if (s == SKF_ERR_EMPTY || s == SKF_ERR_UNBOUNDED || s == SKF_ERR_UNSUPPORTED)
     return cli_fail(CLI_BAD, "%s:%ld: body '%s' moves, expected a bounded surface with something inside", path, b->line,
                     b->name);
@@ -72,9 +88,13 @@ static int prepare(bodies *s) {
   const skf_simulation *sim = &scene->simulation;
   skf_rigid_body *all = calloc(scene->body_count, sizeof *all);
   int status = all ? CLI_DONE : cli_fail(CLI_FAILED, "out of memory");
-  for (size_t i = 0; i < scene->body_count && status == CLI_DONE; i++) status = set(s->c, scene->bodies + i, all + i);
-  skf_rigid_options o = {
-      .G = scene->G, .tolerance = sim->tolerance, .restitution = sim->restitution, .friction = sim->friction};
+  for (size_t i = 0; i < scene->body_count && status == CLI_DONE; i++) status = set(s->c, scene, i, all);
+  skf_rigid_options o = {.G = scene->G,
+                         .tolerance = sim->tolerance,
+                         .restitution = sim->restitution,
+                         .friction = sim->friction,
+                         .rolling = sim->rolling};
+  for (size_t i = 0; i < scene->force_count; i++) o.gravity = v3_add(o.gravity, scene->forces[i].push);
   if (status == CLI_DONE) {
     skf_status bad = skf_swarm_new(all, scene->body_count, &o, &s->swarm);
     if (bad == SKF_ERR_UNSUPPORTED)
@@ -130,6 +150,7 @@ static int fly(bodies *s) {
     if (next > sim->t_end * (1 - 4e-16)) next = sim->t_end; /* 4e-16: the rounding of the product */
     bad = skf_swarm_run(s->swarm, next, take_hit, s);
     if (!bad) row(s, t = next);
+    if (!bad && skf_swarm_is_still(s->swarm)) s->still = fmin(s->still, t);
     if (!bad && progress.report && progress.report(progress.user, t / sim->t_end)) bad = SKF_ERR_CANCELLED;
   }
   cli_progress_end();
@@ -137,17 +158,16 @@ static int fly(bodies *s) {
   double E = first.kinetic + first.potential, e = last.kinetic + last.potential;
   cli_say("%zu hit%s to t = %.9g; energy %.9g at the start, %.9g at the end", s->hit_count,
           s->hit_count == 1 ? "" : "s", t, E, e);
+  if (s->still < INFINITY) cli_say("all bodies are at rest from t = %.9g on, or before", s->still);
   if (bad == SKF_ERR_CANCELLED) return cli_fail(CLI_FAILED, "interrupted after t = %.9g, rows before are written", t);
   if (bad == SKF_ERR_CONVERGENCE)
-    return cli_fail(CLI_FAILED,
-                    "bodies that rest on each other, or a force that no step can follow, at t = %.17g, rows "
-                    "before are written",
+    return cli_fail(CLI_FAILED, "a force or contacts that no step can follow, at t = %.17g, rows before are written",
                     skf_swarm_time(s->swarm));
   return bad ? cli_fail_status(bad, "simulate") : CLI_DONE;
 }
 
 int run_bodies(const cli *c, const skf_scene *scene) {
-  bodies s = {.c = c, .scene = scene};
+  bodies s = {.c = c, .scene = scene, .still = INFINITY};
   const char *hits = cli_value(c, "contacts");
   int status = check(c, scene);
   if (status == CLI_DONE) status = prepare(&s);

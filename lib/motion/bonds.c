@@ -186,7 +186,8 @@ skf_status skf_bonds_check(const skf_swarm *s, const double *y, skf_bonds *to, d
     skf_bond *b = to->bond + k;
     skf_duel d = duel_of(s, y, b);
     int n = b->n;
-    skf_status bad = skf_near_check(&d, &b->leaves, b->spot, &b->n);
+    double step = s->here.bond[k].clear - b->clear;
+    skf_status bad = skf_near_check(&d, &b->leaves, b->wide - b->clear, step, 0.25 * b->wide, b->spot, &b->n);
     if ((int)bad > worst) worst = (int)bad;
     for (int i = n; i < b->n; i++) lowest = fmin(lowest, b->spot[i].gap / b->size);
   }

@@ -70,6 +70,7 @@ enum { SKF_SPOTS = 24 };
 typedef struct skf_leaf_cell {
   skf_vec3 center;
   double radius;
+  double until; /* dismissed until the bodies have moved by that since the search */
 } skf_leaf_cell;
 
 typedef struct skf_leaves {
@@ -83,8 +84,11 @@ typedef struct skf_leaves {
    other are one. SKF_ERR_CONVERGENCE when it takes more than 400,000 cells, or SKF_ERR_NOMEM. */
 skf_status skf_near_find(const skf_duel *d, double margin, skf_spot *spots, int *count, skf_leaves *leaves);
 
-/* Looks through the cells again in other poses within the margin: those where the two cannot meet are dismissed for
-   certain, from the others the nearest places are looked for. New ones are added. SKF_ERR_NOMEM, or SKF_OK. */
-skf_status skf_near_check(const skf_duel *d, const skf_leaves *leaves, skf_spot *spots, int *count);
+/* Looks through the cells again in other poses: those where the two cannot meet are dismissed for certain, from the
+   others the nearest places are looked for. New ones are added. `moved`: by how much the bodies have since the search,
+   of which they may do `step` once more in another way; `ahead`: for how much of that cells are tried to be dismissed
+   at once. SKF_ERR_NOMEM, or SKF_OK. */
+skf_status skf_near_check(const skf_duel *d, skf_leaves *leaves, double moved, double step, double ahead,
+                          skf_spot *spots, int *count);
 
 #endif

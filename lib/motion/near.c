@@ -72,7 +72,7 @@ static void note(search *s, skf_vec3 c, double r) {
     }
     l->cell = more, l->capacity = capacity;
   }
-  l->cell[l->n++] = (skf_leaf_cell){c, r};
+  l->cell[l->n++] = (skf_leaf_cell){c, r, -1};
 }
 
 static void refine(search *s, skf_vec3 c, double half) {
@@ -124,14 +124,21 @@ skf_status skf_near_find(const skf_duel *d, double margin, skf_spot *spots, int 
   return s.status ? s.status : s.cells > MOST_CELLS ? SKF_ERR_CONVERGENCE : SKF_OK;
 }
 
-skf_status skf_near_check(const skf_duel *d, const skf_leaves *leaves, skf_spot *spots, int *count) {
+skf_status skf_near_check(const skf_duel *d, skf_leaves *leaves, double moved, double step, double ahead,
+                          skf_spot *spots, int *count) {
   search s = begin(d, 0);
   if (s.status) return s.status;
   for (int i = 0; i < *count; i++)
     if (!spots[i].lost) s.found[s.count++] = spots[i];
   int known = s.count;
   for (size_t i = 0; i < leaves->n; i++) {
-    const skf_leaf_cell *c = leaves->cell + i;
+    skf_leaf_cell *c = leaves->cell + i;
+    if (moved <= c->until) continue;
+    s.margin = ahead;
+    if (examine(&s, c->center, c->radius) == DISMISSED) {
+      c->until = moved + ahead - 2 * step;
+      continue;
+    }
     s.margin = 0;
     if (examine(&s, c->center, c->radius) == DISMISSED) continue;
     s.margin = SEED * d->a->radius; /* how far a place may be apart to be of interest */

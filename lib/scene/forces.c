@@ -44,7 +44,8 @@ static const skf_key force_keys[FORCE_KEYS] = {
     {"center", "L", "of the medium, in the body's frame (default: 0)", SKF_KEY_VECTOR, false,
      .offset = offsetof(skf_force, center)},
 };
-const skf_section skf_section_force = {"force", "what accelerates particles besides gravity", force_keys, FORCE_KEYS};
+const skf_section skf_section_force = {
+    "force", "what accelerates particles besides gravity; bodies that move, by push alone", force_keys, FORCE_KEYS};
 
 static skf_status check(skf_reader *r, const skf_node *map, const skf_force *f, unsigned given) {
   bool push = f->type == SKF_FORCE_PUSH;

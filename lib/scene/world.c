@@ -92,6 +92,8 @@ static const skf_key simulation_keys[] = {
      .offset = offsetof(skf_simulation, restitution), .range = &skf_fraction},
     {"friction", "1", "of a bounce, Coulomb's coefficient (default: 0)", SKF_KEY_NUMBER, false,
      .offset = offsetof(skf_simulation, friction), .range = &skf_not_negative},
+    {"rolling", "L", "of bodies that move: torque against rolling and turning, over the normal force (default: 0)",
+     SKF_KEY_NUMBER, false, .offset = offsetof(skf_simulation, rolling), .range = &skf_not_negative},
     {"search", NULL, "for contacts: misses none, or samples each step (default: certified)", SKF_KEY_OTHER,
      .read = read_search, .form = "certified or fast"},
     {"step", "T", "of integrators with a fixed step, which know no tolerance", SKF_KEY_NUMBER, false,
@@ -103,7 +105,7 @@ static const skf_key simulation_keys[] = {
     {"frame", NULL, "of rows and contacts: inertial, or that of the body that spins (default: inertial)", SKF_KEY_OTHER,
      .read = read_frame, .form = "inertial or body"},
 };
-const skf_section skf_section_simulation = {"simulation", "how the particles fly", simulation_keys, 11};
+const skf_section skf_section_simulation = {"simulation", "how the particles fly", simulation_keys, 12};
 
 skf_status skf_read_simulation(skf_reader *r, const skf_node *map, void *into) {
   skf_simulation *sim = &((skf_scene *)into)->simulation;

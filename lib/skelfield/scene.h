@@ -72,6 +72,7 @@ typedef struct skf_simulation {
   double t_end, output_every, tolerance, step; /* step: 0 where the integrator chooses */
   skf_contact_mode contact;
   double restitution, friction;
+  double rolling;   /* friction of bodies that move, see skf_rigid_options */
   double softening; /* of the pull of particles with a mass */
   skf_search search;
   char integrator[32]; /* name in the integrators' registry; empty: default */

@@ -23,6 +23,42 @@ expect "momentum is kept: donut 10, needle 1" awk -F, 'NR > 1 { m = $2 == "donut
 run simulate aside.yaml --bodies again.csv --threads 1
 expect_same "one thread gives the same bytes" aside.csv again.csv
 
+# Two balls of one shape fall, by forces that add up, and come to rest.
+write fall.yaml <<'END'
+skelfield: 1
+gravity: {G: 0}
+bodies:
+  - name: ground
+    iso: -6.283185307179586
+    kernel: {type: inverse}
+    skeleton: [{plane: {through: [0, 0, -1], normal: [0, 0, 1]}}]
+  - name: ball
+    iso: 2
+    kernel: {type: inverse}
+    mass: 2
+    motion: {velocity: [0, 0, 0]}
+    skeleton: [{point: {at: [0, 0, 0.75]}}]
+  - name: far
+    iso: 2
+    kernel: {type: inverse}
+    mass: 2
+    motion: {velocity: [0, 0, 0]}
+    skeleton: [{point: {at: [5, 0, 0.6]}}]
+forces: [{type: push, acceleration: [0, 0, -0.75]}, {type: push, acceleration: [0.01, 0, -0.25]}]
+simulation: {t_end: 10, output_every: 1, restitution: 0.2, friction: 0.5, rolling: 0.02}
+END
+run simulate fall.yaml --bodies fall.csv
+expect_status "bodies that come to rest" 0
+expect "it says so" grep -q 'all bodies are at rest from t = ' "$kept/err"
+cp fall.csv "$kept/out"
+expect_close "the first at its height" "$(field 22 5)" 0.5 1e-7
+expect_close "and the other" "$(field 23 5)" 0.5 1e-7
+expect_close "without speed" "$(field 22 10)" 0 0
+sed 's/, rolling: 0.02//' fall.yaml >rolls.yaml
+run simulate rolls.yaml --bodies rolls.csv
+cp rolls.csv "$kept/out"
+expect "without rolling friction they go on" awk -F, 'NR == 22 && !($10 > 0.01) { exit 1 }' rolls.csv
+
 run simulate aside.yaml --bodies a.csv --contacts ./a.csv
 expect_refused "one file for two tables" "--bodies and --contacts name the same file"
 refuse_simulate() { run simulate "$2" && :; expect_refused "$1" "$3"; }
@@ -30,6 +66,10 @@ sed 's/^simulation/particles: [{name: p, position: [9, 9, 9], velocity: [0, 0, 0
 refuse_simulate "particles among bodies that move" both.yaml 'both.yaml: particles among bodies that move'
 sed 's/motion: {velocity: \[0, 0, 0\]}/spin: {axis: [0, 0, 1], rate: 1}/' aside.yaml >spin.yaml
 refuse_simulate "a spin beside a motion" spin.yaml "spin.yaml:[0-9]+: body 'donut' has a spin"
+sed 's/type: push, acceleration: \[0, 0, -0.75\]/type: drag, k: 1/' fall.yaml >drag.yaml
+refuse_simulate "drag on bodies that move" drag.yaml 'drag.yaml: drag among bodies that move, expected no other force than push'
+sed 's/rolling: 0.02/rolling: -1/' fall.yaml >rolling.yaml
+refuse_simulate "a rolling friction below 0" rolling.yaml 'rolling.yaml:[0-9]+: rolling'
 sed 's/mass: 1$/mass: -1/' aside.yaml >light.yaml
 refuse_simulate "a mass below 0" light.yaml "light.yaml:[0-9]+: body 'cigar' moves with mass -1, expected a mass above 0"
 run simulate "$data/donut.yaml" --bodies b2.csv
