@@ -199,6 +199,7 @@ skf_status skf_cluster_new(const skf_world *world, skf_flight *const *flights, s
   c->world = world, c->flights = flights, c->n = n, c->gm = gm, c->softening2 = softening * softening;
   c->pull = skf_pairs_pick(skf_isa_pick());
   if (!allocate(c)) return skf_cluster_free(c), SKF_ERR_NOMEM;
+  c->crowd.ops = skf_radau_get(skf_isa_pick());
   c->crowd.eval = feel_all, c->crowd.user = c, c->crowd.drags = world->dragged;
   for (size_t i = 0; i < n; i++) flights[i]->together = true;
   gather(c);

@@ -23,15 +23,11 @@ skf_status skf_crowd_begin(skf_crowd *c, double h) {
 
 /* One sweep over the nodes. False where the force is not finite. */
 static bool sweep(skf_crowd *c, double h) {
-  for (size_t i = 0; i < c->n; i++) {
-    skf_vec3 a = c->work[i]->a0;
-    c->guess[i].size = fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
-  }
+  for (size_t i = 0; i < c->n; i++) { c->guess[i].size = skf_radau_size(c->work[i]->a0); }
   for (int n = 1; n < SKF_RADAU_NODES; n++) {
     bool listen = skf_radau_listens(n);
-    for (size_t i = 0; i < c->n; i++)
-      skf_radau_place(c->work[i], c->guess + i, h, n, c->x + i, c->drags ? c->v + i : NULL);
-    if (!eval(c, clock_add(c->work[0]->from.t, h * skf_radau_node(n)), listen)) return false;
+    for (size_t i = 0; i < c->n; i++) c->ops->place(c->guess + i, h, n, c->x + i, c->drags ? c->v + i : NULL);
+    if (!eval(c, clock_add(c->work[0]->from.t, h * skf_radau_node[n]), listen)) return false;
     for (size_t i = 0; i < c->n; i++) skf_radau_learn(c->work[i], n, c->a[i], listen ? c->noise[i] : 0, c->guess + i);
   }
   return true;
@@ -63,7 +59,7 @@ static double attempt(skf_crowd *c, double h, double tolerance) {
   for (size_t i = 0; i < c->n; i++) {
     c->work[i]->from = *c->orbit[i];
     c->before[i] = *c->work[i];
-    skf_radau_predict(c->work[i], h, c->guess + i);
+    skf_radau_predict(c->ops, c->work[i], h, c->guess + i);
   }
   bool solved = solve(c, h);
   for (size_t i = 0; i < c->n && solved; i++) q = fmin(q, skf_radau_share(c->work[i], c->guess + i, h, tolerance));

@@ -8,6 +8,7 @@
 /* All arrays have n entries. */
 typedef struct skf_crowd {
   size_t n;
+  const skf_radau_ops *ops;
   skf_gauss_radau **work;
   skf_orbit **orbit;
   /* Accelerations of all particles at one time; noise may be NULL. False when one is not finite: *failed is which. */

@@ -18,6 +18,7 @@ typedef struct seat {
 
 typedef struct flock {
   const skf_ode *ode;
+  const skf_radau_ops *ops;
   skf_lane *next, *end;
   double until;
   size_t n; /* seats in use, the first ones of `at` */
@@ -27,25 +28,24 @@ typedef struct flock {
 } flock;
 
 static void begin_sweep(seat *s) {
-  skf_vec3 a0 = ((const skf_gauss_radau *)s->lane->work)->a0;
-  s->u.size = fmax(fabs(a0.x), fmax(fabs(a0.y), fabs(a0.z)));
+  s->u.size = skf_radau_size(((const skf_gauss_radau *)s->lane->work)->a0);
   s->node = 1;
 }
 
-static bool try(seat *s, double h) {
+static bool try(const flock *k, seat *s, double h) {
   skf_gauss_radau *w = s->lane->work;
   if (!(h > skf_step_floor(w->from.t)) || !isfinite(h)) return s->lane->status = SKF_ERR_CONVERGENCE, false;
   s->h = h, s->before = *w, s->sweep = 0, s->last = INFINITY;
-  skf_radau_predict(w, h, &s->u);
+  skf_radau_predict(k->ops, w, h, &s->u);
   begin_sweep(s);
   return true;
 }
 
-static bool begin_step(seat *s) {
+static bool begin_step(const flock *k, seat *s) {
   skf_gauss_radau *w = s->lane->work;
   double most = s->lane->longest(s->lane->flight, s->lane->orbit);
   w->from = *s->lane->orbit;
-  return try(s, fmin(w->h, most));
+  return try(k, s, fmin(w->h, most));
 }
 
 /* The next particle that has a way to go; false when there is none. */
@@ -53,14 +53,14 @@ static bool refill(flock *k, seat *s) {
   for (; k->next < k->end; k->next++) {
     if (k->next->status || k->next->orbit->t.hi >= k->until) continue;
     s->lane = k->next;
-    if (begin_step(s)) return k->next++, true;
+    if (begin_step(k, s)) return k->next++, true;
   }
   return false;
 }
 
 static bool refuse(flock *k, seat *s, double q) {
   s->lane->report->rejected++;
-  return try(s, s->h * q) || refill(k, s);
+  return try(k, s, s->h * q) || refill(k, s);
 }
 
 /* Where the force is wanted. */
@@ -73,8 +73,8 @@ static void ask(flock *k, size_t i) {
     x = v3_add(s->next.x, s->next.x_low);
     if (v) *v = v3_add(s->next.v, s->next.v_low);
   } else {
-    t = clock_add(w->from.t, s->h * skf_radau_node(s->node));
-    skf_radau_place(w, &s->u, s->h, s->node, &x, v);
+    t = clock_add(w->from.t, s->h * skf_radau_node[s->node]);
+    s->u.ops->place(&s->u, s->h, s->node, &x, v);
   }
   k->t_hi[i] = t.hi, k->t_lo[i] = t.lo, k->x[0][i] = x.x, k->x[1][i] = x.y, k->x[2][i] = x.z;
   ++*s->lane->evaluations;
@@ -109,7 +109,7 @@ static bool accept(flock *k, seat *s, skf_vec3 a) {
   *lane->orbit = s->next;
   skf_lane_count(lane, w->from.t, lane->orbit);
   bool goes_on = !lane->moved || lane->moved(lane);
-  return (goes_on && lane->orbit->t.hi < k->until && begin_step(s)) || refill(k, s);
+  return (goes_on && lane->orbit->t.hi < k->until && begin_step(k, s)) || refill(k, s);
 }
 
 /* Takes the force; false when the seat is free. */
@@ -145,7 +145,7 @@ static void feel(flock *k) {
 }
 
 void skf_radau_pass(const skf_ode *ode, skf_lane *lanes, size_t n, double until) {
-  flock k = {.ode = ode, .next = lanes, .end = lanes + n, .until = until};
+  flock k = {.ode = ode, .ops = skf_radau_get(ode->isa), .next = lanes, .end = lanes + n, .until = until};
   for (size_t i = 0; i < SKF_FLOCK; i++) {
     k.at[k.n] = k.seats + i;
     k.n += refill(&k, k.at[k.n]);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Every integrator of the registry against exact orbits. */
+#include "motion/gauss_radau.h"
 #include "motion/worlds.h"
+#include "random.h"
 #include <string.h>
 
 static skf_field *sun_field;
@@ -174,8 +176,38 @@ static void time_reverses(void **state) {
   }
 }
 
+/* What Gauss-Radau does at its nodes has the same bits for every instruction set. */
+static void nodes_do_not_see_the_instruction_set(void **state) {
+  (void)state;
+  const skf_radau_ops *ops[2] = {&skf_radau_base, skf_radau_get(skf_isa_pick())};
+  uint64_t seed = 5;
+  for (int k = 0; k < 100; k++) {
+    skf_gauss_radau w = {.h = 1, .done = k % 10 ? rnd(&seed, 0.5, 2) : 0, .a0 = rnd_vec(&seed, 1)};
+    w.from = (skf_orbit){.x = rnd_vec(&seed, 1), .v = rnd_vec(&seed, 1), .x_low = rnd_vec(&seed, 1e-16)};
+    for (int i = 0; i < SKF_RADAU_TERMS; i++)
+      w.b[i] = skf_row_of(rnd_vec(&seed, 1)), w.e[i] = skf_row_of(rnd_vec(&seed, 1));
+    skf_radau_guess u[2];
+    memset(u, 0, sizeof u);
+    for (int i = 0; i < 2; i++) {
+      skf_radau_predict(ops[i], &w, 1, u + i);
+      u[i].ops = NULL; /* the rest is to be the same */
+    }
+    for (int n = 1; n < SKF_RADAU_NODES; n++) {
+      skf_vec3 x[2], v[2], a = rnd_vec(&seed, 1);
+      for (int i = 0; i < 2; i++) {
+        ops[i]->place(u + i, 1.25, n, x + i, v + i);
+        ops[i]->learn(n, a, u + i);
+      }
+      assert_memory_equal(x, x + 1, sizeof *x);
+      assert_memory_equal(v, v + 1, sizeof *v);
+      assert_memory_equal(u, u + 1, sizeof *u);
+    }
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(nodes_do_not_see_the_instruction_set),
       cmocka_unit_test(registry_is_complete),
       cmocka_unit_test(orbits_come_back),
       cmocka_unit_test(orders_hold),
