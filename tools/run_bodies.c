@@ -35,7 +35,8 @@ static int check(const cli *c, const skf_scene *scene) {
     if (cli_given(c, maps[i])) return cli_fail(CLI_BAD, "%s: bodies move, expected no --%s", path, maps[i]);
   if (cli_given(c, "checkpoint") || cli_given(c, "resume") || cli_given(c, "every-seconds"))
     return cli_fail(CLI_BAD, "%s: bodies move, expected no --checkpoint and no --resume", path);
-  if (cli_given(c, "output") || cli_given(c, "ground-track") || cli_given(c, "json"))
+  if (cli_given(c, "output") || cli_given(c, "ground-track") || cli_given(c, "json") || cli_given(c, "invariants") ||
+      cli_given(c, "frame"))
     return cli_fail(CLI_BAD, "%s: bodies that move, expected --bodies and --contacts alone", path);
   for (size_t i = 0; i < scene->force_count; i++)
     if (scene->forces[i].type != SKF_FORCE_PUSH)
@@ -44,6 +45,7 @@ static int check(const cli *c, const skf_scene *scene) {
     if (scene->bodies[i].spin.rate != 0)
       return cli_fail(CLI_BAD, "%s:%ld: body '%s' has a spin among bodies that move, expected motion instead", path,
                       scene->bodies[i].line, scene->bodies[i].name);
+  if (scene->simulation.turning) return cli_fail(CLI_BAD, "%s: bodies move, expected frame: inertial", path);
   if (hits && strcmp(hits, "-") == 0) return cli_fail(CLI_BAD, "--contacts needs a file name here");
   if (hits && rows && cli_same_file(hits, rows)) return cli_fail(CLI_BAD, "--bodies and --contacts name the same file");
   return CLI_DONE;

@@ -30,7 +30,8 @@ enum { FORCE_TYPE, FORCE_ACCELERATION, FORCE_K, FORCE_BODY, FORCE_HEIGHT, FORCE_
 static const skf_key force_keys[FORCE_KEYS] = {
     {"type", NULL, "a = acceleration; -k d (v - u); -k d |v - u| (v - u)", SKF_KEY_OTHER, true, .read = read_type,
      .form = "push, drag or drag-squared"},
-    {"acceleration", "L/T^2", "of a push, inertial frame", SKF_KEY_VECTOR, false, .offset = offsetof(skf_force, push)},
+    {"acceleration", "L/T^2", "of a push, inertial frame: uniform gravity, radiation pressure", SKF_KEY_VECTOR, false,
+     .offset = offsetof(skf_force, push)},
     {"k", "1/T or 1/L", "of drag or drag-squared", SKF_KEY_NUMBER, false, .offset = offsetof(skf_force, k),
      .range = &skf_not_negative},
     {"body", NULL, "that the medium turns with, u (default: none, u = 0)", SKF_KEY_OTHER, .read = read_body,

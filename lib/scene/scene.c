@@ -125,6 +125,16 @@ skf_status skf_refuse_duplicates(skf_reader *r, const char *what, size_t n,
                        what, skf_show(repeated.name).text);
 }
 
+/* It would do nothing. */
+static skf_status check_softening(skf_reader *r, const skf_node *simulation) {
+  const skf_scene *scene = r->scene;
+  if (scene->simulation.softening == 0) return SKF_OK;
+  for (size_t i = 0; i < scene->particle_count; i++)
+    if (scene->particles[i].mass > 0) return SKF_OK;
+  return skf_error_set(r->error, SKF_ERR_PARSE, skf_map_line(r, simulation, "softening"),
+                       "softening, but no particle has a mass, expected one that has: bodies are not softened");
+}
+
 static skf_status read_scene(skf_reader *r) {
   const skf_node *root = r->yaml.nodes;
   skf_status s = skf_expect(r, root, SKF_NODE_MAP, "the scene", "a mapping (skelfield: 1, bodies: ...)");
@@ -142,7 +152,8 @@ static skf_status read_scene(skf_reader *r) {
   if (r->scene->simulation.turning && (s = skf_check_frame(r, skf_map_line(r, simulation, "frame")))) return s;
   const skf_node *forces = skf_map_find(r, root, "forces");
   if (forces && (s = skf_read_forces(r, forces))) return s;
-  return given >> KEY_PARTICLES & 1 ? skf_read_particles(r, skf_map_find(r, root, "particles")) : SKF_OK;
+  if (given >> KEY_PARTICLES & 1) s = skf_read_particles(r, skf_map_find(r, root, "particles"));
+  return s ? s : check_softening(r, simulation);
 }
 
 skf_status skf_scene_parse(const char *text, size_t length, const char *folder, skf_scene **out, skf_error *error) {

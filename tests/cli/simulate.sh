@@ -186,6 +186,9 @@ expect_refused "a mass with another integrator" "alone.yaml:5: particles with a 
 sed 's/mass: 0.25/mass: -1/' pair.yaml >negative.yaml
 run simulate negative.yaml
 expect_refused "a negative mass" "negative.yaml:5: mass is -1, expected a finite number >= 0"
+sed 's/mass: 0.25, //; s/tolerance:/softening: 0.1, tolerance:/' pair.yaml >massless.yaml
+run simulate massless.yaml
+expect_refused "a softening of nobody" "massless.yaml:8: softening, but no particle has a mass"
 sed 's/tolerance:/softening: -1, tolerance:/' pair.yaml >hard.yaml
 run simulate hard.yaml
 expect_refused "a negative softening" "hard.yaml:8: softening is -1, expected a finite number >= 0"
