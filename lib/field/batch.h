@@ -5,6 +5,7 @@
 #define SKF_FIELD_BATCH_H
 
 #include "field/batch_forms.h"
+#include "field/some.h"
 #include "field/sparse.h"
 #include "simd/isa.h"
 
@@ -50,6 +51,8 @@ typedef struct skf_batch_form {
   void (*at)(const skf_tile *t, skf_vec3 p, bool exact, skf_point_sum *sum);
   /* all there is to one point of a batch of this tile only, to the same bits: out[0] = F, out[1..3] */
   void (*lone)(const skf_tile *t, const skf_vec3 *p, double out[4]);
+  /* the same in registers, from (x, y, z, 0) to the gradient and F: only for callers of the same instruction set */
+  skf_four (*quick)(const skf_tile *t, skf_four p);
 } skf_batch_form;
 
 typedef struct skf_batch_ops {

@@ -224,11 +224,7 @@ SKF_INLINE void tile_keep(const skf_tile *tile, size_t j, const skf_vvalue *v, b
       vd_store(values[k] + j, part[k]);
 }
 
-/* The first lane, and the sum of a tile's values as name##_add and `total` make it. */
-SKF_INLINE void vv_first(double strength, const skf_vvalue *v, double out[4]) {
-  out[0] = strength * v->F[0], out[1] = strength * v->g.x[0];
-  out[2] = strength * v->g.y[0], out[3] = strength * v->g.z[0];
-}
+/* The sum of a tile's values as name##_add and `total` make it. */
 SKF_INLINE void tile_total(const skf_tile *tile, double values[4][SKF_TILE], double out[4]) {
   for (int k = 0; k < 4; k++) out[k] = 0;
   for (size_t j = 0; j < tile->count; j++)
@@ -302,14 +298,24 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     }                                                                                                                  \
     tile_total(tile, values, out);                                                                                     \
   }                                                                                                                    \
-  static void name##_lone(const skf_tile *tile, const skf_vec3 *p, double out[4]) {                                    \
-    const skf_v3d x = {vd_set(p->x), vd_set(p->y), vd_set(p->z)};                                                      \
+  SKF_INLINE skf_four name##_only(const skf_tile *tile, skf_vec3 p) {                                                  \
+    const skf_v3d x = {vd_set(p.x), vd_set(p.y), vd_set(p.z)};                                                         \
+    double out[4];                                                                                                     \
     name##_row row;                                                                                                    \
-    if (tile->count > 1) return name##_few(tile, p, out);                                                              \
-    row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, 0);                                 \
-    skf_vvalue v = name##_value(&row, x);                                                                              \
-    if (!vi_all(v.good)) return name##_few(tile, p, out);                                                              \
-    vv_first(tile->column[0], &v, out);                                                                                \
+    if (tile->count == 1) {                                                                                            \
+      row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, 0);                               \
+      skf_vvalue v = name##_value(&row, x);                                                                            \
+      if (vi_all(v.good)) return tile->column[0] * (skf_four){v.g.x[0], v.g.y[0], v.g.z[0], v.F[0]};                   \
+    }                                                                                                                  \
+    name##_few(tile, &p, out);                                                                                         \
+    return (skf_four){out[1], out[2], out[3], out[0]};                                                                 \
+  }                                                                                                                    \
+  static void name##_lone(const skf_tile *tile, const skf_vec3 *p, double out[4]) {                                    \
+    const skf_four v = name##_only(tile, *p);                                                                          \
+    out[0] = v[3], out[1] = v[0], out[2] = v[1], out[3] = v[2];                                                        \
+  }                                                                                                                    \
+  static skf_four name##_quick(const skf_tile *tile, skf_four p) {                                                     \
+    return name##_only(tile, (skf_vec3){p[0], p[1], p[2]});                                                            \
   }
 
 /* Two vectors at once */
@@ -455,8 +461,13 @@ static inline void batch_total(size_t n, const skf_batch_sum *sum, int k, double
 
 /* Its row in the table of an instruction set */
 #define SKF_BATCH_ENTRY(name)                                                                                          \
-  [SKF_FORM_##                                                                                                         \
-      name] = {sizeof(name##_row) / sizeof(skf_vd) + 1, name##_pack, name##_one, name##_add, name##_at, name##_lone},
+  [SKF_FORM_##name] = {sizeof(name##_row) / sizeof(skf_vd) + 1,                                                        \
+                       name##_pack,                                                                                    \
+                       name##_one,                                                                                     \
+                       name##_add,                                                                                     \
+                       name##_at,                                                                                      \
+                       name##_lone,                                                                                    \
+                       name##_quick},
 
 #endif
 #endif

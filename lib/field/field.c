@@ -266,6 +266,12 @@ void skf_field_point(const skf_field *f, const skf_vec3 *p, double out[4]) {
   skf_field_eval(f, 1, at, out, g, NULL);
 }
 
+skf_quick *skf_field_quick(const skf_field *f, skf_isa isa, const skf_tile **tile) {
+  *tile = f->batch.tile;
+  if (!f->lone || (isa == SKF_ISA_SCALAR) != (f->batch.ops == &skf_batch_scalar)) return NULL;
+  return f->batch.ops->form[f->batch.tile->form].quick;
+}
+
 skf_status skf_field_eval(const skf_field *f, size_t n, const double *const p[3], double *F, double *const g[3],
                           double *const h[6]) {
   if (f->plain < f->n) {

@@ -4,6 +4,7 @@
 #define SKF_FIELD_SOME_H
 
 #include "field/kernel.h"
+#include "simd/isa.h"
 #include <stdint.h>
 
 const skf_prepared *skf_field_prepared(const skf_field *field);
@@ -15,5 +16,14 @@ double skf_field_some(const skf_field *field, const uint32_t *which, size_t n, s
 /* F and the gradient at one point, out[0] and out[1..3], with the bits of skf_field_eval; for callers that have one
    point at a time, and no time: a sum of up to eight elements of one form costs little more than its formula. */
 void skf_field_point(const skf_field *field, const skf_vec3 *p, double out[4]);
+
+/* The same without a way through memory where a call costs as much as the formula: a function of the tile and (x, y, z,
+   0) that returns the gradient and F. */
+typedef double skf_four __attribute__((vector_size(32)));
+struct skf_tile;
+typedef skf_four skf_quick(const struct skf_tile *tile, skf_four p);
+/* That of a field, if it has one, for callers that are compiled for the instruction set `isa` (SKF_ISA_SCALAR: none),
+   since these pass vectors each in its own way; else NULL. */
+skf_quick *skf_field_quick(const skf_field *field, skf_isa isa, const struct skf_tile **tile);
 
 #endif

@@ -102,8 +102,15 @@ skf_status skf_flight_new(const skf_world *world, const skf_flight_options *opti
   for (size_t i = 0; i < world->n && f->near; i++) f->near[i].best.f = -INFINITY;
   f->world = world, f->options = o, f->ops = ops;
   f->blind = !ops->info.adaptive && skf_world_has_joins(world);
-  f->ode = (skf_ode){skf_world_force, skf_world_force_many, skf_world_jerk, world->dragged ? skf_world_drag : NULL,
-                     world,           !world->still,        skf_isa_pick(), 0};
+  f->ode = (skf_ode){.eval = skf_world_force,
+                     .many = skf_world_force_many,
+                     .jerk = skf_world_jerk,
+                     .drag = world->dragged ? skf_world_drag : NULL,
+                     .user = world,
+                     .timed = !world->still,
+                     .isa = skf_isa_pick()};
+  f->ode.lone = skf_world_lone(world);
+  if (f->ode.lone) f->ode.quick = skf_field_quick(f->ode.lone->is.field, f->ode.isa, &f->ode.tile);
   f->orbit = (skf_orbit){.t = {start->t, 0}, .x = start->position, .v = start->velocity};
   f->from = f->orbit.t;
   f->report.h_min = INFINITY;

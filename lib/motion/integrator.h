@@ -4,7 +4,9 @@
 #define SKF_MOTION_INTEGRATOR_H
 
 #include "skelfield/motion.h"
+#include "field/some.h"
 #include "motion/path.h"
+#include "motion/world.h"
 #include "simd/isa.h"
 
 /* x'' = a(t, x). `eval` returns false where the acceleration is not finite; *noise, if asked for, is the size of its
@@ -20,6 +22,11 @@ typedef struct skf_ode {
   /* Adds what depends on the velocity; NULL when nothing does. */
   bool (*drag)(const void *user, skf_clock t, skf_vec3 x, skf_vec3 v, skf_vec3 *a);
   const void *user;
+  /* A body at rest that makes all of the force, so that the world need not be asked, and its field's call in registers
+     for code of the instruction set `isa`; or NULL. */
+  const skf_world_body *lone;
+  skf_quick *quick;
+  const struct skf_tile *tile;
   bool timed; /* the force depends on t; else t may be anything */
   skf_isa isa;
   size_t evaluations;
@@ -97,7 +104,12 @@ static inline double skf_step_floor(skf_clock t) { return 64 * 2.220446049250313
 
 static inline bool skf_ode_eval(skf_ode *ode, skf_clock t, skf_vec3 x, skf_vec3 *a, double *noise) {
   ode->evaluations++;
-  return ode->eval(ode->user, t, &x, a, noise);
+  if (!ode->lone) return ode->eval(ode->user, t, &x, a, noise);
+  double v[4], gain = ode->lone->is.gain;
+  skf_field_point(ode->lone->is.field, &x, v);
+  *a = v3(0 + gain * v[1], 0 + gain * v[2], 0 + gain * v[3]); /* never -0, as in a sum */
+  if (noise) *noise = skf_body_noise(ode->lone, x, v[0], v3(v[1], v[2], v[3]));
+  return isfinite(v[0]) && v3_finite(*a);
 }
 
 /* The same where the velocity is known. */

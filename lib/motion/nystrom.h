@@ -10,12 +10,12 @@ enum { SKF_NYSTROM_STAGES = 17 };
 /* Lane l has coordinate c of a vector at [c * lanes + l]. A lane's bits do not depend on its neighbours. */
 #define SKF_NYSTROM_LANES(name, lanes, width)                                                                          \
   typedef struct name {                                                                                                \
-    double h[lanes], t_hi[lanes], t_lo[lanes], tolerance[lanes]; /* the step, its start */                             \
-    double x[width], x_low[width], v[width], v_low[width];       /* at the start */                                    \
+    _Alignas(32) double h[lanes], t_hi[lanes], t_lo[lanes], tolerance[lanes]; /* the step, its start */                \
+    double x[width], x_low[width], v[width], v_low[width];                    /* at the start */                       \
     double to_x[width], to_x_low[width], to_v[width], to_v_low[width];                                                 \
+    _Alignas(32) double k[SKF_NYSTROM_STAGES][width]; /* no vector across two lines of the cache */                    \
     double error[lanes], root[lanes]; /* in tolerances; infinite when a force was not finite; about its 11th root */   \
     double noise[lanes];              /* rounding error of the accelerations */                                        \
-    double k[SKF_NYSTROM_STAGES][width];                                                                               \
   } name;
 SKF_NYSTROM_LANES(skf_nystrom_one, 1, 4)
 SKF_NYSTROM_LANES(skf_nystrom_many, SKF_FLOCK, 3 * SKF_FLOCK)

@@ -175,23 +175,35 @@ SKF_INLINE void NAME(weigh)(const double *weight, const double k[STAGES][NAME(WI
   }
 }
 
-/* Accelerations of stage i at p, NAN where they are not finite. */
-SKF_INLINE void NAME(force)(NAME(lanes) * s, const skf_ode *ode, int i, double *p) {
+/* Accelerations of stage i at p, NAN where they are not finite; those of a particle alone are also returned, and may
+   be left as they are where *rest, which is 0, becomes NAN. */
+SKF_INLINE skf_vd NAME(force)(NAME(lanes) * s, const skf_ode *ode, int i, double *p, skf_vd *rest) {
   double *k = s->k[i], t_hi[LANES], t_lo[LANES];
   for (int l = 0; l < LANES && ode->timed; l++) {
     skf_clock t = clock_add((skf_clock){s->t_hi[l], s->t_lo[l]}, s->h[l] * node[i]);
     t_hi[l] = t.hi, t_lo[l] = t.lo;
   }
 #if LANES == 1
-  skf_vec3 a, x = v3(p[0], p[1], p[2]);
-  skf_clock t = {0, 0};
-  if (ode->timed) t = (skf_clock){*t_hi, *t_lo};
-  if (!ode->eval(ode->user, t, &x, &a, i == MIDDLE ? s->noise : NULL)) a = v3(NAN, NAN, NAN), *s->noise = 0;
-  vd_store(k, (skf_vd){a.x, a.y, a.z, 0}); /* at once: it is loaded as one */
+  skf_vd all;
+  if (ode->quick) {
+    skf_vd g = ode->quick(ode->tile, vd_load(p));
+    *rest += g - g;
+    if (i == MIDDLE) *s->noise = skf_body_noise(ode->lone, v3(p[0], p[1], p[2]), g[3], v3(g[0], g[1], g[2]));
+    all = vd_set(0) + vd_set(ode->lone->is.gain) * g; /* never -0, as in a sum */
+  } else {
+    skf_vec3 a, x = v3(p[0], p[1], p[2]);
+    skf_clock t = {0, 0};
+    if (ode->timed) t = (skf_clock){*t_hi, *t_lo};
+    if (!ode->eval(ode->user, t, &x, &a, i == MIDDLE ? s->noise : NULL)) a = v3(NAN, NAN, NAN), *s->noise = 0;
+    all = (skf_vd){a.x, a.y, a.z, 0};
+  }
+  vd_store(k, all);
+  return all;
 #else
   const double *const at[3] = {p, p + LANES, p + 2 * LANES};
   double *const to[3] = {k, k + LANES, k + 2 * LANES};
   ode->many(ode->user, LANES, t_hi, t_lo, at, to, i == MIDDLE ? s->noise : NULL);
+  return *rest;
 #endif
 }
 
@@ -265,12 +277,14 @@ static void NAME(attempt)(NAME(lanes) * s, const skf_ode *ode) {
   double h[NAME(WIDTH)], p[NAME(WIDTH)], off_position[NAME(WIDTH)], off_velocity[NAME(WIDTH)];
   NAME(spread)(s->h, h);
   for (int i = 0; i < NAME(WIDTH); i++) p[i] = s->x[i] + s->x_low[i];
-  NAME(force)(s, ode, 0, p);
+  skf_vd rest = vd_set(0), last = NAME(force)(s, ode, 0, p, &rest);
   for (int n = 1; n < STAGES; n++) {
     const skf_vd c = vd_set(node[n]);
+    const int stored = LANES == 1 && n > 1 ? n - 1 : n; /* the newest one need not come back from memory */
     for (int i = 0; i < NAME(WIDTH); i += NAME(BLOCK) * SKF_LANES) {
       skf_vd sum[NAME(BLOCK)];
-      NAME(weigh)(inner[n], s->k, first_of(n), n, i, sum);
+      NAME(weigh)(inner[n], s->k, first_of(n), stored, i, sum);
+      if (stored < n) sum[0] += vd_set(inner[n][stored]) * last;
       for (int u = 0; u < NAME(BLOCK); u++) {
         const int at = i + u * SKF_LANES;
         skf_vd step = vd_load(h + at), v = vd_load(s->v + at) + vd_load(s->v_low + at);
@@ -278,8 +292,9 @@ static void NAME(attempt)(NAME(lanes) * s, const skf_ode *ode) {
         vd_store(p + at, vd_load(s->x + at) + d);
       }
     }
-    NAME(force)(s, ode, n, p);
+    last = NAME(force)(s, ode, n, p, &rest);
   }
   NAME(finish)(s, h, off_position, off_velocity);
   NAME(judge)(s, off_position, off_velocity);
+  if (LANES == 1 && vi_any(rest != rest)) s->error[0] = s->root[0] = INFINITY;
 }

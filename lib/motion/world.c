@@ -118,6 +118,21 @@ skf_vec3 skf_turn_point(const skf_turn *r, double sign, skf_vec3 p) {
   return r->on ? v3_add(r->about, skf_turn_vector(r, sign, v3_sub(p, r->about))) : p;
 }
 
+const skf_world_body *skf_world_lone(const skf_world *w) {
+  const skf_world_body *only = NULL;
+  for (size_t i = 0; i < w->n; i++) {
+    if (w->bodies[i].is.gain == 0) continue;
+    if (only || w->bodies[i].rate != 0) return NULL;
+    only = w->bodies + i;
+  }
+  return only && only->is.gain > 0 && !w->force_count ? only : NULL;
+}
+
+double skf_body_noise(const skf_world_body *b, skf_vec3 p, double F, skf_vec3 g) {
+  double size = b->radius + v3_dist(p, b->center);
+  return DBL_EPSILON * (fabs(b->is.gain) * (v3_norm(g) + (b->radius > 0 ? fabs(F) / size : 0)));
+}
+
 bool skf_world_force(const void *world, skf_clock t, const skf_vec3 *p, skf_vec3 *a, double *noise) {
   const skf_world *w = world;
   skf_vec3 sum = {0, 0, 0};
@@ -133,12 +148,10 @@ bool skf_world_force(const void *world, skf_clock t, const skf_vec3 *p, skf_vec3
     if (!isfinite(v[0])) return false;
     skf_vec3 g = v3(v[1], v[2], v[3]);
     sum = v3_mad(sum, b->is.gain, b->rate != 0 ? skf_turn_vector(&r, 1, g) : g);
-    if (!noise) continue;
-    double size = b->radius + v3_dist(*at, b->center);
-    rough += fabs(b->is.gain) * (v3_norm(g) + (b->radius > 0 ? fabs(v[0]) / size : 0));
+    if (noise) rough += skf_body_noise(b, *at, v[0], g);
   }
   *a = sum;
-  if (noise) *noise = DBL_EPSILON * rough;
+  if (noise) *noise = rough;
   return w->force_count ? skf_world_push(w, t, *p, a) : v3_finite(sum);
 }
 

@@ -58,6 +58,10 @@ bool skf_world_force(const void *world, skf_clock t, const skf_vec3 *p, skf_vec3
 /* The same bits for n particles, each at a time of its own: an skf_ode's `many`. */
 void skf_world_force_many(const void *world, size_t n, const double *t_hi, const double *t_lo, const double *const p[3],
                           double *const a[3], double *noise);
+/* The body that makes all of the force, if there is one, it rests, and its gain is positive; else NULL. */
+const skf_world_body *skf_world_lone(const skf_world *world);
+/* Rounding error of a body's acceleration at a place of its frame, from above, roughly; from F and the gradient. */
+double skf_body_noise(const skf_world_body *body, skf_vec3 p, double F, skf_vec3 g);
 /* Acceleration and its time derivative along a motion with velocity v: an skf_ode's `jerk`. False when not finite. */
 bool skf_world_jerk(const void *world, skf_clock t, skf_vec3 p, skf_vec3 v, skf_vec3 *a, skf_vec3 *jerk);
 /* Whether it depends on the velocity. */
