@@ -90,66 +90,82 @@ SKF_INLINE skf_vvalue cauchy_gather(const arc_row *c, const arc_view *f, const c
   return arc_finish(c, f, F, cc, ss, ends, good & p->good);
 }
 
-/* Away from the axis, from the circle of a thin body (rounding k shifts 1 + s^2 alpha by s k of an ulp) and from the
-   ends of a long thin one no half angles are needed: with a = (Pp + Pm) / 2, b = (Pp - Pm) / 2 and the azimuth mu of x
-   from the middle of the arc, N cos delta = a C - b cos mu, N cos sigma = a cos mu - b C, N sin delta = D S, W0 + W1 =
-   2 (a - b C cos mu). */
+/* Away from the axis, from the circle of a thin body and from the ends of a long thin one neither the distance to the
+   axis nor half angles are needed. In coordinates scaled by s about the arc's middle, p towards it, t along it, z
+   across, k^2 = p^2 + t^2, an element at the angle phi has W = 1 + s^2 r^2 = a - 2 rho (p cos phi + t sin phi), a = 1 +
+   z^2 + k^2 + rho^2. With N = dW / dphi, D^2 = a^2 - (2 rho k)^2 = q (2 a - q) + w^2, q = 1 + z^2, w = k^2 - rho^2,
+   and brackets for differences between the ends
+     I1 = int dphi / W = 2 delta / D, tan delta = D S / (a C - 2 rho p), I2 = ([N / W] + a I1) / D^2,
+     I3 = ([N / W^2] - I1 + 3 a I2) / (2 D^2), int sin(phi - azimuth) / W^3 = -[1 / W^2] / (4 rho k);
+   at the ends W = g -+ 2 rho S t, g = a - 2 rho C p, and their product is (D S)^2 + (a C - 2 rho p)^2. */
+typedef struct open_arc_row {
+  arc_row at;
+  skf_v3d m, t, n; /* the axes of p, t, z, s long */
+  skf_vd rho, rho2, twice, twice_C, twice_S, S2, F, g;
+} open_arc_row;
+
+static double *open_arc_pack(const skf_prepared *e, double *k) {
+  const skf_arc_plan *a = &e->plan.arc;
+  double s = e->kernel.param, C = a->cos_half, S = a->sin_half, rho = s * a->radius;
+  k = arc_pack(e, k);
+  k = pack3(k, v3_scale(s, v3_add(v3_scale(C, a->e), v3_scale(S, a->f))));
+  k = pack3(k, v3_scale(s, v3_sub(v3_scale(C, a->f), v3_scale(S, a->e))));
+  k = pack3(k, v3_scale(s, a->n));
+  k = pack1(pack1(pack1(k, rho), rho * rho), 2 * rho);
+  k = pack1(pack1(pack1(k, 2 * rho * C), 2 * rho * S), S * S);
+  return pack1(pack1(k, 2 * a->radius), -2 * a->radius);
+}
+
 typedef struct cauchy_arc_state {
-  skf_vd u, v, z, k;
-  skf_vd inner, outer, Pm, Pp, D, per_k;                /* set in the turn */
-  skf_vd a, b, m, cross, dot, per_D, per_N2, offset, t; /* set in the middle; then t is delta */
+  skf_vd p, t, z, k2, q, a, dot, D2, WW, D, per_WW, per_D2, per_k2;
+  skf_vd offset, delta; /* set in the middle, delta a tangent at first; then D becomes 1 / D */
   skf_vi good;
 } cauchy_arc_state;
 
-SKF_INLINE void cauchy_arc_begin(const arc_row *c, skf_v3d x, cauchy_arc_state *s) {
-  skf_v3d d = vd3_sub(x, c->center);
-  s->u = vd3_dot(d, c->e), s->v = vd3_dot(d, c->f), s->z = vd3_dot(d, c->n);
-  s->k = vd_sqrt(vd_fma(s->u, s->u, s->v * s->v));
-}
-
-SKF_INLINE void cauchy_arc_turn(const arc_row *c, cauchy_arc_state *s) {
-  skf_vd inner = s->k - c->rho, outer = s->k + c->rho, zz = s->z * s->z, outer2 = outer * outer, one = vd_set(1);
-  skf_vd alpha = vd_fma(inner, inner, zz), Pm = vd_fma(c->param2, alpha, one), Pp = vd_fma(c->param2, outer2 + zz, one);
-  s->inner = inner, s->outer = outer, s->Pm = Pm, s->Pp = Pp;
-  s->D = vd_sqrt(Pm * Pp), s->per_k = one / s->k;
+SKF_INLINE void cauchy_arc_begin(const open_arc_row *c, skf_v3d x, cauchy_arc_state *s) {
+  skf_v3d d = vd3_sub(x, c->at.center);
+  skf_vd p = vd3_dot(d, c->m), t = vd3_dot(d, c->t), z = vd3_dot(d, c->n), one = vd_set(1);
+  skf_vd k2 = vd_fma(p, p, t * t), q = vd_fma(z, z, one), rest = k2 + c->rho2, w = k2 - c->rho2, a = q + rest;
+  skf_vd D2 = vd_fma(w, w, q * (a + rest)), dot = vd_fms(a, c->at.C, c->twice * p), WW = vd_fma(dot, dot, D2 * c->S2);
+  skf_vd a2 = a * a;
+  s->p = p, s->t = t, s->z = z, s->k2 = k2, s->q = q, s->a = a, s->dot = dot;
   s->good =
-      ((vd_set(1024) * alpha > outer2) | (c->param2 * outer2 < vd_set(64))) & (s->k > vd_set(SKF_PICK(1e-140, 1e-18)));
+      (vd_set(64) * vd_min(D2, vd_set(16) * WW) > a2) & (vd_set(1024) * k2 > a) & (a2 < vd_set(SKF_PICK(1e70, 1e18)));
+  s->D2 = D2, s->WW = WW;
 }
 
-SKF_INLINE void cauchy_arc_middle(const arc_row *c, cauchy_arc_state *s) {
-  skf_vd b2 = (c->rho + c->rho) * c->param2, m = vd_fma(c->C, s->u, c->S * s->v), b = b2 * s->k, a = s->Pm + b;
-  skf_vd dot = vd_fnma(b2, m, a * c->C), cross = s->D * c->S, N2 = vd_fma(dot, dot, cross * cross);
-  skf_vangle angle = vd_angle_parts(cross, dot);
-  s->m = m, s->b = b, s->a = a, s->dot = dot, s->cross = cross, s->offset = angle.offset;
-  s->per_N2 = vd_set(1) / N2, s->per_D = vd_set(1) / s->D, s->t = angle.top / angle.bottom;
-  s->good &= (vd_set(1024) * N2 > a * a) & (N2 < vd_set(SKF_PICK(1e140, 1e18)));
-}
-
-SKF_INLINE void cauchy_arc_series(const arc_row *c, cauchy_arc_state *s) {
+SKF_INLINE void cauchy_arc_turn(const open_arc_row *c, cauchy_arc_state *s) {
+  skf_vd one = vd_set(1);
   (void)c;
-  s->t = vd_angle_series(s->offset, s->t);
+  s->D = vd_sqrt(s->D2), s->per_WW = one / s->WW, s->per_D2 = one / s->D2, s->per_k2 = one / s->k2;
 }
 
-/* first, second: sin delta cos sigma and sin 2 delta cos 2 sigma / 2; int cos^2 = (delta + first) / 2, int cos^4 =
-   (3 delta + 4 first + second) / 8, int cos^2 sin^2 = (delta - second) / 8. */
-SKF_INLINE skf_vvalue cauchy_arc_end(const arc_row *c, const cauchy_arc_state *s) {
-  skf_vd per_k = s->per_k, per_D = s->per_D, per = per_D * per_D, im = s->Pp * per, ip = s->Pm * per;
-  skf_vd cs = vd_fms(s->a, s->m * per_k, s->b * c->C), sN = s->cross * s->per_N2, turned = s->per_N2 * cs;
-  skf_vd delta = s->t, first = sN * cs;
-  skf_vd second = sN * s->dot * vd_fma(turned + turned, cs, vd_set(-1)), twice = first + first, four = twice + twice;
-  skf_vd fourth = vd_fma(vd_set(3), delta, second), mixed = delta - second;
-  skf_vd cc = im * vd_fma(fourth + four, im, mixed * ip), ss = ip * vd_fma(fourth - four, ip, mixed * im),
-         all = cc + ss;
-  skf_vd F = c->rho * per_D * vd_fma(delta + first, im, (delta - first) * ip);
-  skf_vd G = -(c->rho * c->param2) * per_D, R = G * per_k * vd_fma(s->inner, cc, s->outer * ss);
-  skf_vd b2 = (c->rho + c->rho) * c->param2, W = vd_fnma(c->C * b2, s->m, s->a), per_kN = per_k * s->per_N2;
-  skf_vd ends = vd_set(4) * c->rho * b2 * c->S * vd_fms(c->S, s->u, c->C * s->v) * W * (per_kN * per_kN);
-  skf_v3d g = vd3_scale(vd_fms(R, s->u, ends * s->v), c->e);
-  g = vd3_mad(vd3_mad(g, vd_fma(R, s->v, ends * s->u), c->f), G * all * s->z, c->n);
-  return (skf_vvalue){F, g, s->good & (vd_set(16) * all > delta * im * im)};
+SKF_INLINE void cauchy_arc_middle(const open_arc_row *c, cauchy_arc_state *s) {
+  skf_vangle angle = vd_angle_parts(s->D * c->at.S, s->dot);
+  s->offset = angle.offset, s->delta = angle.top / angle.bottom;
+  s->D *= s->per_D2;
 }
 
-SKF_INLINE skf_vvalue cauchy_arc_close(const arc_row *c, skf_v3d x) {
+SKF_INLINE void cauchy_arc_series(const open_arc_row *c, cauchy_arc_state *s) {
+  (void)c;
+  s->delta = vd_angle_series(s->offset, s->delta) * s->D;
+}
+
+/* I1 and I2 by halves */
+SKF_INLINE skf_vvalue cauchy_arc_end(const open_arc_row *c, const cauchy_arc_state *s) {
+  skf_vd p = s->p, t = s->t, a = s->a, per_W = s->per_WW, per_D2 = s->per_D2, I1 = s->delta;
+  skf_vd pS = c->twice_S * p, tS = c->twice_S * t, tC = c->twice_C * t, g = vd_fnma(c->twice_C, p, a);
+  skf_vd ends = vd_fms(pS, g, tC * tS) * per_W, I2 = vd_fma(a, I1, ends) * per_D2, per_W2 = per_W * per_W;
+  skf_vd gt = g * (tS + tS), gg = vd_fma(g, g, tS * tS), ends2 = vd_fms(pS, gg, tC * gt) * per_W2;
+  skf_vd three = vd_fma(vd_set(3), a * I2, ends2 - I1), I3 = three * per_D2, G = c->g * s->per_k2;
+  skf_vd R = G * vd_fma((s->k2 - c->rho2) - s->q, I3, I2 + I2), E = G * (gt * per_W2), Z = (c->g + c->g) * (s->z * I3);
+  skf_v3d v = vd3_scale(vd_fms(R, p, E * t), c->m);
+  v = vd3_mad(vd3_mad(v, vd_fma(R, t, E * p), c->t), Z, c->n);
+  return (skf_vvalue){c->F * I2, v, s->good & (vd_set(16) * three > I1)};
+}
+
+SKF_INLINE skf_vvalue cauchy_arc_close(const open_arc_row *row, skf_v3d x) {
+  const arc_row *c = &row->at;
   arc_view f = arc_see(c, x);
   cauchy_factors p = cauchy_factor(c, &f);
   skf_vd W_sum, sin_mid;
@@ -197,7 +213,7 @@ SKF_INLINE skf_vvalue inverse_circle(const arc_row *c, skf_v3d x) {
   return arc_finish(c, &f, q.K, (q.sin2 - q.K) / f.alpha, -(q.sin2 / f.beta), vd_set(0), vd_sane(f.alpha));
 }
 
-SKF_BATCH_STAGED(cauchy_arc, arc, cauchy_arc_close, cauchy_arc_turn, cauchy_arc_middle, cauchy_arc_series)
+SKF_BATCH_CROSSED(cauchy_arc, open_arc, cauchy_arc_close, cauchy_arc_turn, cauchy_arc_middle, cauchy_arc_series)
 SKF_BATCH_FORM(cauchy_circle, arc, skf_again_none)
 SKF_BATCH_FORM(inverse_circle, arc, skf_again_none)
 

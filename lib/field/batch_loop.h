@@ -111,11 +111,14 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
 
 /* A form in stages, SKF_FLIGHT vectors in each before the next: NAME_begin, three, NAME_end. */
 #define SKF_BATCH_STAGED(name, row_name, again, one, two, three)                                                       \
-  SKF_BATCH_STAGES_OF(name, row_name, again, false, one, two, three)
-/* A short one, its roots and quotients worth as much as all the rest: the last stage of some vectors and the first of
-   the next share a loop, so that the one multiplies while the other divides. */
+  SKF_BATCH_STAGES_OF(name, row_name, again, SKF_APART, one, two, three)
+/* The same where the last stage, all products, of some vectors shares a loop with one of the next that is all roots and
+   quotients, so that the one multiplies while the other divides: NAME_begin, or ONE. */
 #define SKF_BATCH_WOVEN(name, row_name, again, one, two, three)                                                        \
-  SKF_BATCH_STAGES_OF(name, row_name, again, true, one, two, three)
+  SKF_BATCH_STAGES_OF(name, row_name, again, SKF_WITH_BEGIN, one, two, three)
+#define SKF_BATCH_CROSSED(name, row_name, again, one, two, three)                                                      \
+  SKF_BATCH_STAGES_OF(name, row_name, again, SKF_WITH_ONE, one, two, three)
+enum { SKF_APART, SKF_WITH_BEGIN, SKF_WITH_ONE };
 #define skf_stage_none(row, s) ((void)(row), (void)(s))
 
 #define SKF_BATCH_STAGES_OF(name, row_name, again, woven, one, two, three)                                             \
@@ -171,6 +174,33 @@ SKF_INLINE void vv_store(skf_vd strength, const skf_vvalue *v, double *const out
   vd_store(out[1] + i, strength * v->g.x);
   vd_store(out[2] + i, strength * v->g.y);
   vd_store(out[3] + i, strength * v->g.z);
+}
+
+/* For vectors some of whose lanes are not good: those are noted, the others kept. */
+static inline size_t lanes_note(skf_vi good, size_t i, size_t *bad, size_t bads) {
+  for (size_t k = 0; k < SKF_LANES; k++)
+    if (!good[k]) bad[bads++] = i + k;
+  return bads;
+}
+SKF_INLINE skf_vvalue vv_kept(const skf_vvalue *v) {
+  const skf_vd zero = vd_set(0);
+  return (skf_vvalue){vd_select(v->good, v->F, zero), vd3_select(v->good, v->g, (skf_v3d){zero, zero, zero}), v->good};
+}
+
+/* The points at[0], at[1], ..., the last one again in lanes from n on; values to where they belong */
+static inline skf_v3d points_gather(const double *const p[3], const size_t *at, size_t n) {
+  skf_v3d x;
+  for (size_t k = 0; k < SKF_LANES; k++) {
+    size_t i = at[k < n ? k : n - 1];
+    x.x[k] = p[0][i], x.y[k] = p[1][i], x.z[k] = p[2][i];
+  }
+  return x;
+}
+static inline void vv_scatter(double strength, const skf_vvalue *v, double *const out[4], const size_t *at, size_t n,
+                              bool more) {
+  const skf_vd part[4] = {v->F, v->g.x, v->g.y, v->g.z};
+  for (size_t k = 0; k < SKF_LANES && k < n; k++)
+    for (int c = 0; c < 4; c++) out[c][at[k]] = more ? fma(strength, part[c][k], out[c][at[k]]) : strength * part[c][k];
 }
 
 SKF_INLINE void vd_more(double *to, skf_vd strength, skf_vd v) { vd_store(to, vd_fma(strength, v, vd_load(to))); }
@@ -240,9 +270,13 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
 
 #define SKF_BATCH_COMMON(name, row_name, again)                                                                        \
   typedef row_name##_row name##_row;                                                                                   \
+  SKF_INLINE skf_vvalue name##_again(const name##_row *row, skf_v3d x) {                                               \
+    (void)row, (void)x;                                                                                                \
+    return again(row, x);                                                                                              \
+  }                                                                                                                    \
   static double *name##_pack(const skf_prepared *e, double *k) { return row_name##_pack(e, k); }                       \
-  static __attribute__((noinline, cold)) void name##_redo(const skf_tile *tile, size_t j, const double *const p[3],    \
-                                                          size_t i, skf_vvalue *v) {                                   \
+  static __attribute__((noinline)) void name##_redo(const skf_tile *tile, size_t j, const double *const p[3],          \
+                                                    size_t i, skf_vvalue *v) {                                         \
     const skf_v3d x = points_load(p, i);                                                                               \
     name##_row row;                                                                                                    \
     row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
@@ -252,8 +286,8 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     v->good |= w.good;                                                                                                 \
     lanes_closed(tile->element + j, 0, &x, v);                                                                         \
   }                                                                                                                    \
-  static __attribute__((noinline, cold)) void name##_redo_at(const skf_tile *tile, size_t j, const skf_v3d *x,         \
-                                                             skf_vvalue *v) {                                          \
+  static                                                                                                               \
+      __attribute__((noinline)) void name##_redo_at(const skf_tile *tile, size_t j, const skf_v3d *x, skf_vvalue *v) { \
     name##_row row;                                                                                                    \
     row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                                 \
     lanes_beyond(tile->count - j, v);                                                                                  \
@@ -264,9 +298,10 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     v->good |= w.good;                                                                                                 \
     lanes_closed(tile->element + j, 1, x, v);                                                                          \
   }                                                                                                                    \
-  static void name##_at(const skf_tile *tile, skf_vec3 p, bool exact, skf_point_sum *sum) {                            \
-    const skf_v3d x = {vd_set(p.x), vd_set(p.y), vd_set(p.z)};                                                         \
-    double values[4][SKF_TILE];                                                                                        \
+  /* the tile's values at one point, to be kept in `values` or added to `sum` */                                       \
+  SKF_INLINE void name##_across(const skf_tile *tile, const skf_vec3 *p, bool exact, double values[4][SKF_TILE],       \
+                                skf_point_sum *sum) {                                                                  \
+    const skf_v3d x = {vd_set(p->x), vd_set(p->y), vd_set(p->z)};                                                      \
     for (size_t j = 0; j < tile->count; j += SKF_LANES) {                                                              \
       name##_row row;                                                                                                  \
       row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
@@ -279,23 +314,15 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
       }                                                                                                                \
       tile_keep(tile, j, &v, exact, values, sum);                                                                      \
     }                                                                                                                  \
+  }                                                                                                                    \
+  static void name##_at(const skf_tile *tile, skf_vec3 p, bool exact, skf_point_sum *sum) {                            \
+    double values[4][SKF_TILE];                                                                                        \
+    name##_across(tile, &p, exact, values, sum);                                                                       \
     if (!exact) sum_tile(tile, values, sum);                                                                           \
   }                                                                                                                    \
   static __attribute__((noinline)) void name##_few(const skf_tile *tile, const skf_vec3 *p, double out[4]) {           \
-    const skf_v3d x = {vd_set(p->x), vd_set(p->y), vd_set(p->z)};                                                      \
     double values[4][SKF_TILE];                                                                                        \
-    for (size_t j = 0; j < tile->count; j += SKF_LANES) {                                                              \
-      name##_row row;                                                                                                  \
-      row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
-      skf_vvalue v = name##_value(&row, x);                                                                            \
-      if (!vi_all(v.good)) {                                                                                           \
-        skf_v3d at = x;                                                                                                \
-        skf_vvalue w = v;                                                                                              \
-        name##_redo_at(tile, j, &at, &w);                                                                              \
-        v = w;                                                                                                         \
-      }                                                                                                                \
-      tile_keep(tile, j, &v, false, values, NULL);                                                                     \
-    }                                                                                                                  \
+    name##_across(tile, p, false, values, NULL);                                                                       \
     tile_total(tile, values, out);                                                                                     \
   }                                                                                                                    \
   SKF_INLINE skf_four name##_only(const skf_tile *tile, skf_vec3 p) {                                                  \
@@ -382,18 +409,18 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
    waits in memory, so that few registers are needed. A stage best ends with its roots and quotients: what waits for
    them fills the scheduler. Nor is there a call in these loops, which would spill the constants. */
 #define SKF_BATCH_STAGES(name, woven, one, two, three)                                                                 \
-  /* the vector of points from i on by itself */                                                                       \
-  static __attribute__((noinline, cold)) void name##_apart(const skf_tile *tile, size_t j, const double *const p[3],   \
-                                                           size_t i, double *const out[4], bool more) {                \
-    const skf_vd strength = vd_set(tile->column[j]);                                                                   \
+  /* some of the points by themselves, whatever lanes they came from */                                                \
+  static                                                                                                               \
+      __attribute__((noinline)) void name##_apart(const skf_tile *tile, size_t j, const double *const p[3],            \
+                                                  const size_t *at, size_t count, double *const out[4], bool more) {   \
     name##_row row;                                                                                                    \
     row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
-    skf_vvalue v = name##_value(&row, points_load(p, i));                                                              \
-    name##_redo(tile, j, p, i, &v);                                                                                    \
-    if (more)                                                                                                          \
-      vv_add(strength, &v, out, i);                                                                                    \
-    else                                                                                                               \
-      vv_store(strength, &v, out, i);                                                                                  \
+    for (size_t k = 0; k < count; k += SKF_LANES) {                                                                    \
+      const skf_v3d x = points_gather(p, at + k, count - k);                                                           \
+      skf_vvalue v = name##_again(&row, x);                                                                            \
+      lanes_closed(tile->element + j, 0, &x, &v);                                                                      \
+      vv_scatter(tile->column[j], &v, out, at + k, count - k, more);                                                   \
+    }                                                                                                                  \
   }                                                                                                                    \
   /* element j at all points; out is set, or added to */                                                               \
   SKF_INLINE void name##_stages(const skf_tile *tile, size_t j, size_t n, const double *const p[3],                    \
@@ -402,32 +429,43 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
     const skf_vd strength = vd_set(tile->column[j]);                                                                   \
     name##_row row;                                                                                                    \
-    name##_state s[SKF_FLIGHT];                                                                                        \
+    name##_state room[(woven) == SKF_WITH_ONE ? 2 : 1][SKF_FLIGHT], *old = room[0];                                    \
     row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
-    size_t last = 0, next = 0;                                                                                         \
+    size_t last = 0, next = 0, bad[(SKF_FLIGHT + 1) * SKF_LANES], bads = 0;                                            \
     do {                                                                                                               \
       const size_t flying = (next - last) / SKF_LANES, left = (n - next) / SKF_LANES;                                  \
       const size_t m = left < SKF_FLIGHT ? left : SKF_FLIGHT;                                                          \
       double *const there[4] = {to[0] + last, to[1] + last, to[2] + last, to[3] + last};                               \
       const double *const here[3] = {in[0] + next, in[1] + next, in[2] + next};                                        \
-      size_t bad[SKF_FLIGHT], bads = 0;                                                                                \
+      name##_state *const s = (woven) == SKF_WITH_ONE && old == room[0] ? room[1] : room[0];                           \
+      if ((woven) == SKF_WITH_ONE)                                                                                     \
+        SKF_ROLLED for (size_t u = 0; u < m; u++) name##_begin(&row, points_load(here, u *SKF_LANES), s + u);          \
       SKF_ROLLED for (size_t u = 0; u < flying; u++) {                                                                 \
-        skf_vvalue v = name##_end(&row, s + u);                                                                        \
-        if (__builtin_expect(!vi_all(v.good), 0))                                                                      \
-          bad[bads++] = u;                                                                                             \
-        else if (more)                                                                                                 \
+        skf_vvalue v = name##_end(&row, old + u);                                                                      \
+        if (__builtin_expect(!vi_all(v.good), 0)) {                                                                    \
+          bads = lanes_note(v.good, last + u * SKF_LANES, bad, bads);                                                  \
+          if (more) v = vv_kept(&v);                                                                                   \
+        }                                                                                                              \
+        if (more)                                                                                                      \
           vv_add(strength, &v, there, u *SKF_LANES);                                                                   \
         else                                                                                                           \
           vv_store(strength, &v, there, u *SKF_LANES);                                                                 \
-        if (woven && u < m) name##_begin(&row, points_load(here, u *SKF_LANES), s + u);                                \
+        if ((woven) == SKF_WITH_BEGIN && u < m) name##_begin(&row, points_load(here, u *SKF_LANES), s + u);            \
+        if ((woven) == SKF_WITH_ONE && u < m) one(&row, s + u);                                                        \
       }                                                                                                                \
-      SKF_ROLLED for (size_t u = woven ? flying : 0; u < m; u++)                                                       \
-          name##_begin(&row, points_load(here, u *SKF_LANES), s + u);                                                  \
-      SKF_ROLLED for (size_t u = 0; u < m; u++) one(&row, s + u);                                                      \
+      if ((woven) != SKF_WITH_ONE)                                                                                     \
+        SKF_ROLLED for (size_t u = (woven) == SKF_WITH_BEGIN ? flying : 0; u < m; u++)                                 \
+            name##_begin(&row, points_load(here, u *SKF_LANES), s + u);                                                \
+      SKF_ROLLED for (size_t u = (woven) == SKF_WITH_ONE ? flying : 0; u < m; u++) one(&row, s + u);                   \
       SKF_ROLLED for (size_t u = 0; u < m; u++) two(&row, s + u);                                                      \
       SKF_ROLLED for (size_t u = 0; u < m; u++) three(&row, s + u);                                                    \
-      for (size_t k = 0; k < bads; k++) name##_apart(tile, j, in, last + bad[k] * SKF_LANES, to, more);                \
-      last = next, next += m * SKF_LANES;                                                                              \
+      if (bads >= SKF_LANES || (bads > 0 && m == 0)) {                                                                 \
+        const size_t most = m == 0 ? bads : bads / SKF_LANES * SKF_LANES;                                              \
+        name##_apart(tile, j, in, bad, most, to, more);                                                                \
+        bads -= most;                                                                                                  \
+        for (size_t k = 0; k < bads; k++) bad[k] = bad[most + k];                                                      \
+      }                                                                                                                \
+      last = next, next += m * SKF_LANES, old = s;                                                                     \
     } while (last < next);                                                                                             \
   }                                                                                                                    \
   static __attribute__((noinline)) void name##_one(const skf_tile *tile, size_t n, const double *const p[3],           \
