@@ -21,7 +21,7 @@ skf_form skf_batch_form_of(const skf_batch_ops *ops, const skf_prepared *e) {
 static void fill(const skf_batch_form *form, const skf_prepared *e, double *column, size_t j) {
   double row[SKF_ROW_MAX];
   size_t columns = (size_t)(form->pack(e, row + 1) - row);
-  row[0] = e->primitive.shape == SKF_POINT ? 1 : e->strength;
+  row[0] = form->inner ? 1 : e->strength;
   for (size_t k = 0; k < columns; k++)
     for (size_t i = j; i < SKF_TILE; i++) column[k * SKF_TILE + i] = k || i == j ? row[k] : 0;
 }

@@ -13,8 +13,8 @@
    the elements in a tile; constants of an element at most. */
 enum { SKF_BATCH = 128, SKF_BATCH_PAD = 8, SKF_TILE = 8, SKF_ROW_MAX = 128 };
 
-/* Up to SKF_TILE elements of one form. column: constant k of element j at [k * SKF_TILE + j], first the strength but
-   for skf_batch_inner; the last element is repeated with strength 0. NULL when there is no form. */
+/* Up to SKF_TILE elements of one form. column: constant k of element j at [k * SKF_TILE + j], first the strength, or 1
+   where the row has it; the last element is repeated with strength 0. NULL when there is no form. */
 typedef struct skf_tile {
   skf_form form;
   size_t count;
@@ -22,11 +22,6 @@ typedef struct skf_tile {
   const skf_prepared *element[SKF_TILE];
   skf_box reach; /* outside of it all elements are 0; set in a sparse batch */
 } skf_tile;
-
-/* What of its strength a form has in its row already: a point's, which saves three products. */
-static inline double skf_batch_inner(const skf_prepared *e) {
-  return e->primitive.shape == SKF_POINT ? e->strength : 1;
-}
 
 /* Sums over elements with their rounding errors kept apart: F and the gradient. */
 typedef struct skf_batch_sum {
@@ -53,6 +48,7 @@ typedef struct skf_batch_form {
   void (*lone)(const skf_tile *t, const skf_vec3 *p, double out[4]);
   /* the same in registers, from (x, y, z, 0) to the gradient and F: only for callers of the same instruction set */
   skf_four (*quick)(const skf_tile *t, skf_four p);
+  bool inner; /* the strength is among the constants that `pack` writes, which saves products */
 } skf_batch_form;
 
 typedef struct skf_batch_ops {

@@ -9,14 +9,14 @@
 /* As skf_arc_plan; the kernel's parameter squared */
 typedef struct arc_row {
   skf_v3d center, e, f, n;
-  skf_vd rho, S, C, param2; /* radius, sine and cosine of half the sweep */
+  skf_vd rho, S, C, param2, strength; /* radius, sine and cosine of half the sweep */
 } arc_row;
 
 static double *arc_pack(const skf_prepared *e, double *k) {
   const skf_arc_plan *a = &e->plan.arc;
   k = pack3(pack3(pack3(pack3(k, e->primitive.arc.center), a->e), a->f), a->n);
   k = pack1(pack1(pack1(k, a->radius), a->sin_half), a->cos_half);
-  return pack1(k, e->kernel.param * e->kernel.param);
+  return pack1(pack1(k, e->kernel.param * e->kernel.param), e->strength);
 }
 
 typedef struct arc_view {
@@ -90,18 +90,19 @@ SKF_INLINE skf_vvalue cauchy_gather(const arc_row *c, const arc_view *f, const c
   return arc_finish(c, f, F, cc, ss, ends, good & p->good);
 }
 
-/* Away from the axis, from the circle of a thin body and from the ends of a long thin one neither the distance to the
+/* Off the axis, away from the circle of a thin body and from the ends of a long thin one neither the distance to the
    axis nor half angles are needed. In coordinates scaled by s about the arc's middle, p towards it, t along it, z
    across, k^2 = p^2 + t^2, an element at the angle phi has W = 1 + s^2 r^2 = a - 2 rho (p cos phi + t sin phi), a = 1 +
    z^2 + k^2 + rho^2. With N = dW / dphi, D^2 = a^2 - (2 rho k)^2 = q (2 a - q) + w^2, q = 1 + z^2, w = k^2 - rho^2,
    and brackets for differences between the ends
      I1 = int dphi / W = 2 delta / D, tan delta = D S / (a C - 2 rho p), I2 = ([N / W] + a I1) / D^2,
-     I3 = ([N / W^2] - I1 + 3 a I2) / (2 D^2), int sin(phi - azimuth) / W^3 = -[1 / W^2] / (4 rho k);
+     I3 = ([N / W^2] - I1 + 3 a I2) / (2 D^2), int sin(phi - azimuth) / W^3 = -[1 / W^2] / (4 rho k),
+     int 2 rho k cos(phi - azimuth) / W^3 = a I3 - I2, without its cancellation;
    at the ends W = g -+ 2 rho S t, g = a - 2 rho C p, and their product is (D S)^2 + (a C - 2 rho p)^2. */
 typedef struct open_arc_row {
   arc_row at;
   skf_v3d m, t, n; /* the axes of p, t, z, s long */
-  skf_vd rho, rho2, twice, twice_C, twice_S, S2, F, g;
+  skf_vd rho2, twice, twice2, twice_C, twice_S, S2, F, g;
 } open_arc_row;
 
 static double *open_arc_pack(const skf_prepared *e, double *k) {
@@ -111,13 +112,13 @@ static double *open_arc_pack(const skf_prepared *e, double *k) {
   k = pack3(k, v3_scale(s, v3_add(v3_scale(C, a->e), v3_scale(S, a->f))));
   k = pack3(k, v3_scale(s, v3_sub(v3_scale(C, a->f), v3_scale(S, a->e))));
   k = pack3(k, v3_scale(s, a->n));
-  k = pack1(pack1(pack1(k, rho), rho * rho), 2 * rho);
+  k = pack1(pack1(pack1(k, rho * rho), 2 * rho), 4 * rho * rho);
   k = pack1(pack1(pack1(k, 2 * rho * C), 2 * rho * S), S * S);
-  return pack1(pack1(k, 2 * a->radius), -2 * a->radius);
+  return pack1(pack1(k, 2 * a->radius * e->strength), -2 * a->radius * e->strength);
 }
 
 typedef struct cauchy_arc_state {
-  skf_vd p, t, z, k2, q, a, dot, D2, WW, D, per_WW, per_D2, per_k2;
+  skf_vd p, t, z, k2, a, dot, D2, WW, D, per_WW, per_D2, per_k2;
   skf_vd offset, delta; /* set in the middle, delta a tangent at first; then D becomes 1 / D */
   skf_vi good;
 } cauchy_arc_state;
@@ -128,9 +129,9 @@ SKF_INLINE void cauchy_arc_begin(const open_arc_row *c, skf_v3d x, cauchy_arc_st
   skf_vd k2 = vd_fma(p, p, t * t), q = vd_fma(z, z, one), rest = k2 + c->rho2, w = k2 - c->rho2, a = q + rest;
   skf_vd D2 = vd_fma(w, w, q * (a + rest)), dot = vd_fms(a, c->at.C, c->twice * p), WW = vd_fma(dot, dot, D2 * c->S2);
   skf_vd a2 = a * a;
-  s->p = p, s->t = t, s->z = z, s->k2 = k2, s->q = q, s->a = a, s->dot = dot;
-  s->good =
-      (vd_set(64) * vd_min(D2, vd_set(16) * WW) > a2) & (vd_set(1024) * k2 > a) & (a2 < vd_set(SKF_PICK(1e70, 1e18)));
+  s->p = p, s->t = t, s->z = z, s->k2 = k2, s->a = a, s->dot = dot;
+  s->good = (vd_set(16) * vd_min(D2, vd_set(64) * WW) > a2) & (k2 > vd_set(SKF_PICK(1e-140, 1e-18))) &
+            (a2 < vd_set(SKF_PICK(1e70, 1e18)));
   s->D2 = D2, s->WW = WW;
 }
 
@@ -158,7 +159,9 @@ SKF_INLINE skf_vvalue cauchy_arc_end(const open_arc_row *c, const cauchy_arc_sta
   skf_vd ends = vd_fms(pS, g, tC * tS) * per_W, I2 = vd_fma(a, I1, ends) * per_D2, per_W2 = per_W * per_W;
   skf_vd gt = g * (tS + tS), gg = vd_fma(g, g, tS * tS), ends2 = vd_fms(pS, gg, tC * gt) * per_W2;
   skf_vd three = vd_fma(vd_set(3), a * I2, ends2 - I1), I3 = three * per_D2, G = c->g * s->per_k2;
-  skf_vd R = G * vd_fma((s->k2 - c->rho2) - s->q, I3, I2 + I2), E = G * (gt * per_W2), Z = (c->g + c->g) * (s->z * I3);
+  skf_vd k2 = s->k2, b2 = c->twice2 * k2, part = vd_fma(vd_fma(a, ends, b2 * I1), per_D2, ends2);
+  skf_vd R = G * vd_fms(k2, I3 + I3, vd_fma(a, part, (b2 + b2) * I2) * per_D2);
+  skf_vd E = G * (gt * per_W2), Z = (c->g + c->g) * (s->z * I3);
   skf_v3d v = vd3_scale(vd_fms(R, p, E * t), c->m);
   v = vd3_mad(vd3_mad(v, vd_fma(R, t, E * p), c->t), Z, c->n);
   return (skf_vvalue){c->F * I2, v, s->good & (vd_set(16) * three > I1)};
@@ -172,8 +175,9 @@ SKF_INLINE skf_vvalue cauchy_arc_close(const open_arc_row *row, skf_v3d x) {
   span_view a = arc_span(c, &f, p.Pm, p.Pp, p.D, &W_sum, &sin_mid);
   skf_vd per_N2 = a.per_N * a.per_N, rho2 = c->rho * c->rho;
   skf_vd ends = vd_set(4) * rho2 * c->param2 * c->S * sin_mid * W_sum * (per_N2 * per_N2);
-  return cauchy_gather(c, &f, &p, span_second(&a, a.c), span_second(&a, a.s), span_fourth(&a, a.c),
-                       span_fourth(&a, a.s), span_mixed(&a), ends, a.good);
+  skf_vvalue v = cauchy_gather(c, &f, &p, span_second(&a, a.c), span_second(&a, a.s), span_fourth(&a, a.c),
+                               span_fourth(&a, a.s), span_mixed(&a), ends, a.good);
+  return vv_scale(c->strength, v);
 }
 
 SKF_INLINE skf_vvalue cauchy_circle(const arc_row *c, skf_v3d x) {

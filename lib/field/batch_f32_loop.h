@@ -10,12 +10,12 @@ SKF_INLINE skf_v3d points_load(const float *const p[3], size_t i) {
 }
 
 /* The lanes that are not good, by the closed form in doubles */
-static inline void lanes_closed(const skf_prepared *e, const skf_v3d *x, skf_vvalue *v) {
+static inline void lanes_closed(const skf_prepared *e, bool inner, const skf_v3d *x, skf_vvalue *v) {
   for (int i = 0; i < SKF_LANES; i++) {
     if (v->good[i]) continue;
     skf_value c = {.F = 0}; /* not before: it takes longer than a vector */
     skf_element_value(e, v3(x->x[i], x->y[i], x->z[i]), 1, &c);
-    double s = skf_batch_inner(e);
+    double s = inner ? e->strength : 1;
     c.g = c.F - c.F == 0 ? v3_scale(s, c.g) : v3(0, 0, 0);
     v->F[i] = (float)(s * c.F);
     v->g.x[i] = (float)c.g.x, v->g.y[i] = (float)c.g.y, v->g.z[i] = (float)c.g.z;
@@ -42,8 +42,9 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
   }
 }
 
-#define SKF_BATCH_COMMON(name, row_name, again)                                                                        \
+#define SKF_BATCH_COMMON(name, row_name, again, inner)                                                                 \
   typedef row_name##_row name##_row;                                                                                   \
+  enum { name##_inner = (inner) };                                                                                     \
   static double *name##_pack(const skf_prepared *e, double *k) { return row_name##_pack(e, k); }                       \
   static __attribute__((noinline, cold)) void name##_redo(const skf_tile *tile, size_t j, const float *const p[3],     \
                                                           size_t i, skf_vvalue *v) {                                   \
@@ -54,7 +55,7 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
     v->F = vd_select(v->good, v->F, w.F);                                                                              \
     v->g = vd3_select(v->good, v->g, w.g);                                                                             \
     v->good |= w.good;                                                                                                 \
-    lanes_closed(tile->element[j], &x, v);                                                                             \
+    lanes_closed(tile->element[j], name##_inner, &x, v);                                                               \
   }
 
 /* A vector's value, corrected, into the sum */
@@ -117,7 +118,9 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
   SKF_F32_ADD(name)
 
 #define SKF_F32_ENTRY(name)                                                                                            \
-  .pack.form[SKF_FORM_##name] = {.columns = sizeof(name##_row) / sizeof(skf_vd) + 1, .pack = name##_pack},             \
+  .pack.form[SKF_FORM_##name] = {.columns = sizeof(name##_row) / sizeof(skf_vd) + 1,                                   \
+                                 .pack = name##_pack,                                                                  \
+                                 .inner = name##_inner},                                                               \
   .add[SKF_FORM_##name] = name##_add,
 
 #endif

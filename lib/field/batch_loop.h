@@ -5,7 +5,8 @@
    A form NAME has
      ROW_row                                            a struct of skf_vd (or skf_v3d) only: the element's constants
      double *ROW_pack(const skf_prepared *, double *)   writes the same constants in the same order, returns the end
-     skf_vvalue NAME(const ROW_row *, skf_v3d x)        F and the gradient, strength not in them; straight code
+     skf_vvalue NAME(const ROW_row *, skf_v3d x)        F and the gradient; straight code. The strength is not in them
+                                                        unless the loops are for rows that have it
      SKF_BATCH_FORM(NAME, ROW, AGAIN)                   its loops
    and a line in batch_forms.h; forms of one shape may share a ROW. Each lane sees one element at one point: whether a
    row was broadcast (lanes are points) or loaded (lanes are elements) a form cannot know, so that all that depends on
@@ -22,7 +23,8 @@
      void NAME_begin(const ROW_row *, skf_v3d x, NAME_state *)
      void ONE(const ROW_row *, NAME_state *)               and TWO, THREE, or skf_stage_none
      skf_vvalue NAME_end(const ROW_row *, const NAME_state *)
-     SKF_BATCH_STAGED(NAME, ROW, AGAIN, ONE, TWO, THREE) */
+     SKF_BATCH_STAGED(NAME, ROW, AGAIN, ONE, TWO, THREE)
+   AGAIN then sees the points whose lanes were not good, gathered in vectors of their own. */
 #ifndef SKF_FIELD_BATCH_LOOP_H
 #define SKF_FIELD_BATCH_LOOP_H
 
@@ -79,6 +81,8 @@ SKF_INLINE skf_v3d vd3_lost(skf_v3d a, skf_v3d b, skf_v3d s) {
   return (skf_v3d){vd_lost(a.x, b.x, s.x), vd_lost(a.y, b.y, s.y), vd_lost(a.z, b.z, s.z)};
 }
 
+SKF_INLINE skf_vvalue vv_scale(skf_vd s, skf_vvalue v) { return (skf_vvalue){s * v.F, vd3_scale(s, v.g), v.good}; }
+
 /* For NAME_pack */
 static inline double *pack1(double *k, double a) {
   *k = a;
@@ -101,27 +105,30 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
 
 /* A form that is one function. */
 #define SKF_BATCH_FORM(name, row_name, again) SKF_BATCH_FORM_OF(name, row_name, again, false)
-/* Another whose row has the strength in it: see skf_batch_inner */
+/* Another whose row has the strength in it, `inner`: that saves products */
 #define SKF_BATCH_POINT(name, row_name, again) SKF_BATCH_FORM_OF(name, row_name, again, true)
 
 #define SKF_BATCH_FORM_OF(name, row_name, again, inner)                                                                \
   SKF_INLINE skf_vvalue name##_value(const row_name##_row *row, skf_v3d x) { return name(row, x); }                    \
-  SKF_BATCH_COMMON(name, row_name, again)                                                                              \
+  SKF_BATCH_COMMON(name, row_name, again, inner)                                                                       \
   SKF_BATCH_PAIRS(name, inner)
 
 /* A form in stages, SKF_FLIGHT vectors in each before the next: NAME_begin, three, NAME_end. */
 #define SKF_BATCH_STAGED(name, row_name, again, one, two, three)                                                       \
-  SKF_BATCH_STAGES_OF(name, row_name, again, SKF_APART, one, two, three)
+  SKF_BATCH_STAGES_OF(name, row_name, again, false, SKF_APART, one, two, three)
 /* The same where the last stage, all products, of some vectors shares a loop with one of the next that is all roots and
    quotients, so that the one multiplies while the other divides: NAME_begin, or ONE. */
 #define SKF_BATCH_WOVEN(name, row_name, again, one, two, three)                                                        \
-  SKF_BATCH_STAGES_OF(name, row_name, again, SKF_WITH_BEGIN, one, two, three)
+  SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_WITH_BEGIN, one, two, three)
 #define SKF_BATCH_CROSSED(name, row_name, again, one, two, three)                                                      \
-  SKF_BATCH_STAGES_OF(name, row_name, again, SKF_WITH_ONE, one, two, three)
-enum { SKF_APART, SKF_WITH_BEGIN, SKF_WITH_ONE };
+  SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_WITH_ONE, one, two, three)
+/* THREE and ONE together */
+#define SKF_BATCH_LACED(name, row_name, again, one, two, three)                                                        \
+  SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_THREE_WITH_ONE, one, two, three)
+enum { SKF_APART, SKF_WITH_BEGIN, SKF_WITH_ONE, SKF_THREE_WITH_ONE };
 #define skf_stage_none(row, s) ((void)(row), (void)(s))
 
-#define SKF_BATCH_STAGES_OF(name, row_name, again, woven, one, two, three)                                             \
+#define SKF_BATCH_STAGES_OF(name, row_name, again, inner, woven, one, two, three)                                      \
   SKF_INLINE skf_vvalue name##_value(const row_name##_row *row, skf_v3d x) {                                           \
     name##_state s;                                                                                                    \
     name##_begin(row, x, &s);                                                                                          \
@@ -130,7 +137,7 @@ enum { SKF_APART, SKF_WITH_BEGIN, SKF_WITH_ONE };
     three(row, &s);                                                                                                    \
     return name##_end(row, &s);                                                                                        \
   }                                                                                                                    \
-  SKF_BATCH_COMMON(name, row_name, again)                                                                              \
+  SKF_BATCH_COMMON(name, row_name, again, inner)                                                                       \
   SKF_BATCH_STAGES(name, woven, one, two, three)
 
 /* Of a long form there is one copy, that its loops call. */
@@ -151,13 +158,14 @@ SKF_INLINE skf_v3d points_load(const double *const p[3], size_t i) {
 }
 
 /* The lanes of v that are not good, by the closed form. Lane i sees element i * step. */
-static inline void lanes_closed(const skf_prepared *const *e, size_t step, const skf_v3d *x, skf_vvalue *v) {
+static inline void lanes_closed(const skf_prepared *const *e, size_t step, bool inner, const skf_v3d *x,
+                                skf_vvalue *v) {
   if (vi_all(v->good)) return;
   for (size_t i = 0; i < SKF_LANES; i++) {
     if (v->good[i]) continue;
     skf_value c = {.F = 0}; /* not before: it takes longer than a vector */
     skf_element_value(e[i * step], v3(x->x[i], x->y[i], x->z[i]), 1, &c);
-    double s = skf_batch_inner(e[i * step]);
+    double s = inner ? e[i * step]->strength : 1;
     c.g = c.F - c.F == 0 ? v3_scale(s, c.g) : v3(0, 0, 0);
     v->F[i] = s * c.F, v->g.x[i] = c.g.x, v->g.y[i] = c.g.y, v->g.z[i] = c.g.z;
   }
@@ -268,35 +276,25 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     if (!v->good[i]) v->good[i] = -1, v->F[i] = v->g.x[i] = v->g.y[i] = v->g.z[i] = 0;
 }
 
-#define SKF_BATCH_COMMON(name, row_name, again)                                                                        \
+#define SKF_BATCH_COMMON(name, row_name, again, inner)                                                                 \
   typedef row_name##_row name##_row;                                                                                   \
+  enum { name##_inner = (inner) };                                                                                     \
   SKF_INLINE skf_vvalue name##_again(const name##_row *row, skf_v3d x) {                                               \
     (void)row, (void)x;                                                                                                \
     return again(row, x);                                                                                              \
   }                                                                                                                    \
   static double *name##_pack(const skf_prepared *e, double *k) { return row_name##_pack(e, k); }                       \
-  static __attribute__((noinline)) void name##_redo(const skf_tile *tile, size_t j, const double *const p[3],          \
-                                                    size_t i, skf_vvalue *v) {                                         \
-    const skf_v3d x = points_load(p, i);                                                                               \
-    name##_row row;                                                                                                    \
-    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
-    skf_vvalue w = again(&row, x);                                                                                     \
-    v->F = vd_select(v->good, v->F, w.F);                                                                              \
-    v->g = vd3_select(v->good, v->g, w.g);                                                                             \
-    v->good |= w.good;                                                                                                 \
-    lanes_closed(tile->element + j, 0, &x, v);                                                                         \
-  }                                                                                                                    \
   static                                                                                                               \
       __attribute__((noinline)) void name##_redo_at(const skf_tile *tile, size_t j, const skf_v3d *x, skf_vvalue *v) { \
     name##_row row;                                                                                                    \
     row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                                 \
     lanes_beyond(tile->count - j, v);                                                                                  \
     if (vi_all(v->good)) return;                                                                                       \
-    skf_vvalue w = again(&row, *x);                                                                                    \
+    skf_vvalue w = name##_again(&row, *x);                                                                             \
     v->F = vd_select(v->good, v->F, w.F);                                                                              \
     v->g = vd3_select(v->good, v->g, w.g);                                                                             \
     v->good |= w.good;                                                                                                 \
-    lanes_closed(tile->element + j, 1, x, v);                                                                          \
+    lanes_closed(tile->element + j, 1, name##_inner, x, v);                                                            \
   }                                                                                                                    \
   /* the tile's values at one point, to be kept in `values` or added to `sum` */                                       \
   SKF_INLINE void name##_across(const skf_tile *tile, const skf_vec3 *p, bool exact, double values[4][SKF_TILE],       \
@@ -347,6 +345,17 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
 
 /* Two vectors at once */
 #define SKF_BATCH_PAIRS(name, inner)                                                                                   \
+  static __attribute__((noinline)) void name##_redo(const skf_tile *tile, size_t j, const double *const p[3],          \
+                                                    size_t i, skf_vvalue *v) {                                         \
+    const skf_v3d x = points_load(p, i);                                                                               \
+    name##_row row;                                                                                                    \
+    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+    skf_vvalue w = name##_again(&row, x);                                                                              \
+    v->F = vd_select(v->good, v->F, w.F);                                                                              \
+    v->g = vd3_select(v->good, v->g, w.g);                                                                             \
+    v->good |= w.good;                                                                                                 \
+    lanes_closed(tile->element + j, 0, name##_inner, &x, v);                                                           \
+  }                                                                                                                    \
   /* The value of n = 1 or 2 vectors of points from i on */                                                            \
   SKF_INLINE void name##_pair(const skf_tile *tile, size_t j, const name##_row *row, const double *const p[3],         \
                               size_t i, size_t n, skf_vvalue *v) {                                                     \
@@ -418,7 +427,7 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     for (size_t k = 0; k < count; k += SKF_LANES) {                                                                    \
       const skf_v3d x = points_gather(p, at + k, count - k);                                                           \
       skf_vvalue v = name##_again(&row, x);                                                                            \
-      lanes_closed(tile->element + j, 0, &x, &v);                                                                      \
+      lanes_closed(tile->element + j, 0, name##_inner, &x, &v);                                                        \
       vv_scatter(tile->column[j], &v, out, at + k, count - k, more);                                                   \
     }                                                                                                                  \
   }                                                                                                                    \
@@ -427,19 +436,28 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
                                 double *const out[4], const bool more) {                                               \
     double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
     const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
+    const bool laced = (woven) == SKF_THREE_WITH_ONE, twofold = laced || (woven) == SKF_WITH_ONE;                      \
     const skf_vd strength = vd_set(tile->column[j]);                                                                   \
     name##_row row;                                                                                                    \
-    name##_state room[(woven) == SKF_WITH_ONE ? 2 : 1][SKF_FLIGHT], *old = room[0];                                    \
+    name##_state room[(woven) >= SKF_WITH_ONE ? 2 : 1][SKF_FLIGHT], *old = room[0];                                    \
     row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
     size_t last = 0, next = 0, bad[(SKF_FLIGHT + 1) * SKF_LANES], bads = 0;                                            \
     do {                                                                                                               \
       const size_t flying = (next - last) / SKF_LANES, left = (n - next) / SKF_LANES;                                  \
-      const size_t m = left < SKF_FLIGHT ? left : SKF_FLIGHT;                                                          \
+      const size_t m = left < SKF_FLIGHT ? left : SKF_FLIGHT, both = flying < m ? flying : m;                          \
       double *const there[4] = {to[0] + last, to[1] + last, to[2] + last, to[3] + last};                               \
       const double *const here[3] = {in[0] + next, in[1] + next, in[2] + next};                                        \
-      name##_state *const s = (woven) == SKF_WITH_ONE && old == room[0] ? room[1] : room[0];                           \
-      if ((woven) == SKF_WITH_ONE)                                                                                     \
+      name##_state *const s = twofold && old == room[0] ? room[1] : room[0];                                           \
+      if (twofold) {                                                                                                   \
         SKF_ROLLED for (size_t u = 0; u < m; u++) name##_begin(&row, points_load(here, u *SKF_LANES), s + u);          \
+      }                                                                                                                \
+      if (laced) {                                                                                                     \
+        SKF_ROLLED for (size_t u = 0; u < both; u++) {                                                                 \
+          one(&row, s + u);                                                                                            \
+          three(&row, old + u);                                                                                        \
+        }                                                                                                              \
+        SKF_ROLLED for (size_t u = both; u < flying; u++) three(&row, old + u);                                        \
+      }                                                                                                                \
       SKF_ROLLED for (size_t u = 0; u < flying; u++) {                                                                 \
         skf_vvalue v = name##_end(&row, old + u);                                                                      \
         if (__builtin_expect(!vi_all(v.good), 0)) {                                                                    \
@@ -448,17 +466,20 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
         }                                                                                                              \
         if (more)                                                                                                      \
           vv_add(strength, &v, there, u *SKF_LANES);                                                                   \
+        else if (name##_inner)                                                                                         \
+          vv_put(&v, there, u *SKF_LANES);                                                                             \
         else                                                                                                           \
           vv_store(strength, &v, there, u *SKF_LANES);                                                                 \
         if ((woven) == SKF_WITH_BEGIN && u < m) name##_begin(&row, points_load(here, u *SKF_LANES), s + u);            \
         if ((woven) == SKF_WITH_ONE && u < m) one(&row, s + u);                                                        \
       }                                                                                                                \
-      if ((woven) != SKF_WITH_ONE)                                                                                     \
+      if (!twofold) {                                                                                                  \
         SKF_ROLLED for (size_t u = (woven) == SKF_WITH_BEGIN ? flying : 0; u < m; u++)                                 \
             name##_begin(&row, points_load(here, u *SKF_LANES), s + u);                                                \
-      SKF_ROLLED for (size_t u = (woven) == SKF_WITH_ONE ? flying : 0; u < m; u++) one(&row, s + u);                   \
+      }                                                                                                                \
+      SKF_ROLLED for (size_t u = twofold ? both : 0; u < m; u++) one(&row, s + u);                                     \
       SKF_ROLLED for (size_t u = 0; u < m; u++) two(&row, s + u);                                                      \
-      SKF_ROLLED for (size_t u = 0; u < m; u++) three(&row, s + u);                                                    \
+      if (!laced) { SKF_ROLLED for (size_t u = 0; u < m; u++) three(&row, s + u); }                                    \
       if (bads >= SKF_LANES || (bads > 0 && m == 0)) {                                                                 \
         const size_t most = m == 0 ? bads : bads / SKF_LANES * SKF_LANES;                                              \
         name##_apart(tile, j, in, bad, most, to, more);                                                                \
@@ -505,7 +526,8 @@ static inline void batch_total(size_t n, const skf_batch_sum *sum, int k, double
                        name##_add,                                                                                     \
                        name##_at,                                                                                      \
                        name##_lone,                                                                                    \
-                       name##_quick},
+                       name##_quick,                                                                                   \
+                       name##_inner},
 
 #endif
 #endif

@@ -13,7 +13,7 @@ enum { FAR_NODES = 7 };
 /* As skf_triangle_plan; t, n1 the direction and outward normal of the longest edge */
 typedef struct triangle_row {
   skf_v3d v[3], m[3], side, base, n, t, n1;
-  skf_vd L[3], c[3], s[3], twice, half_area, far, limit;
+  skf_vd L[3], c[3], s[3], twice, half_area, far, limit, strength;
 } triangle_row;
 
 static double *triangle_pack(const skf_prepared *e, double *k) {
@@ -26,7 +26,7 @@ static double *triangle_pack(const skf_prepared *e, double *k) {
   for (int i = 0; i < 3; i++) k = pack1(k, T->c[i]);
   for (int i = 0; i < 3; i++) k = pack1(k, T->s[i]);
   k = pack1(pack1(pack1(k, T->twice), 0.5 * T->area), FAR_DIAMETERS * T->diam);
-  return pack1(k, 64 * T->area / (T->L[0] + T->L[1] + T->L[2]));
+  return pack1(pack1(k, 64 * T->area / (T->L[0] + T->L[1] + T->L[2])), e->strength);
 }
 
 SKF_INLINE skf_vvalue far_triangle(const triangle_row *T, skf_v3d to_first) {
@@ -81,37 +81,43 @@ SKF_INLINE skf_vvalue near_triangle(const triangle_row *T, const skf_v3d a[3], c
 /* The same without the care: not near an edge, and not where the edges' sums lose more than 64, which the distances
    tell: far away, or anywhere for slivers. */
 typedef struct inverse_triangle_state {
-  skf_vd r[3], dot[3], d[3], z;
+  skf_vd r[3], dot[3], d[3], z;           /* r: squares at first */
   skf_vd count[3], t[3], offset, tangent; /* set in the middle; then the logarithms, the angle */
   skf_vi good;
 } inverse_triangle_state;
 
 SKF_INLINE void inverse_triangle_begin(const triangle_row *T, skf_v3d x, inverse_triangle_state *s) {
   skf_v3d a[3];
-  for (int i = 0; i < 3; i++) a[i] = vd3_sub(T->v[i], x), s->r[i] = vd_sqrt(vd3_dot(a[i], a[i]));
+  for (int i = 0; i < 3; i++) a[i] = vd3_sub(T->v[i], x), s->r[i] = vd3_dot(a[i], a[i]);
   for (int i = 0; i < 3; i++) s->dot[i] = vd3_dot(a[i], a[(i + 1) % 3]), s->d[i] = vd3_dot(a[i], T->m[i]);
   s->z = vd3_dot(a[0], T->n);
 }
 
+SKF_INLINE void inverse_triangle_roots(const triangle_row *T, inverse_triangle_state *s) {
+  (void)T;
+  for (int i = 0; i < 3; i++) s->r[i] = vd_sqrt(s->r[i]);
+}
+
 SKF_INLINE void inverse_triangle_middle(const triangle_row *T, inverse_triangle_state *s) {
   const skf_vd *r = s->r, *dot = s->dot;
-  skf_vd rr[3], far[3], least = vd_set(SKF_PICK(128, 64)), num = vd_abs(s->z) * T->twice;
-  s->good = vi_set(-1);
+  skf_vd rr[3], far[3], num = vd_abs(s->z) * T->twice;
   for (int i = 0; i < 3; i++) {
     int j = (i + 1) % 3;
     rr[i] = r[i] * r[j];
     skf_vd near = rr[i] + dot[i], twice = T->L[i] + T->L[i];
     far[i] = (r[i] + r[j]) + T->L[i];
     skf_vlog l = vd_log_parts(far[i] * far[i], near + near, twice * far[i]);
-    s->good &= least * near > rr[i];
     s->count[i] = l.count, s->t[i] = l.top / l.bottom;
   }
   skf_vd cube = rr[0] * r[2], den = vd_fma(dot[0], r[2], vd_fma(dot[1], r[0], vd_fma(dot[2], r[1], cube)));
   skf_vangle a = vd_angle_parts(num, den);
   s->offset = a.offset, s->tangent = a.top / a.bottom;
   /* next to a corner z must be taken from there */
-  s->good &= vd_max(num, vd_abs(den)) > vd_set(SKF_PICK(0x1p-10, 0x1p-5)) * (r[0] * T->twice);
-  s->good &= (far[0] + r[2] < T->limit) & ((den > vd_set(0)) | (vd_set(0x1p20) * vd_abs(s->z) > r[0])) & vd_sane(cube);
+  s->good = vd_max(num, vd_abs(den)) > vd_set(SKF_PICK(0x1p-10, 0x1p-5)) * (r[0] * T->twice);
+  s->good &= (far[0] + r[2] < T->limit) & ((den > vd_set(0)) | (vd_set(0x1p20) * vd_abs(s->z) > r[0]));
+  /* The logarithm's powers of two are few: r0 r1 + d0 d1 > r0 r1 / 100. */
+  s->good &= vd_max(s->count[0], vd_max(s->count[1], s->count[2])) < vd_set(SKF_PICK(10, 9));
+  s->good &= cube > vd_set(SKF_PICK(1e-140, 1e-18));
 }
 
 SKF_INLINE void inverse_triangle_series(const triangle_row *T, inverse_triangle_state *s) {
@@ -123,9 +129,9 @@ SKF_INLINE void inverse_triangle_series(const triangle_row *T, inverse_triangle_
 
 SKF_INLINE skf_vvalue inverse_triangle_end(const triangle_row *T, const inverse_triangle_state *s) {
   skf_vd Z = s->tangent, F = vd_fma(s->d[0], s->t[0], vd_fma(s->d[1], s->t[1], vd_fms(s->d[2], s->t[2], s->z * Z)));
-  skf_v3d g = vd3_scale(Z, T->n);
-  for (int i = 0; i < 3; i++) g = vd3_less(g, s->t[i], T->m[i]);
-  return (skf_vvalue){F, g, s->good};
+  skf_v3d g = vd3_scale(Z, vd3_scale(T->strength, T->n));
+  for (int i = 0; i < 3; i++) g = vd3_less(g, s->t[i], vd3_scale(T->strength, T->m[i]));
+  return (skf_vvalue){T->strength * F, g, s->good};
 }
 
 SKF_INLINE skf_vvalue inverse_triangle_any(const triangle_row *T, skf_v3d x) {
@@ -134,15 +140,16 @@ SKF_INLINE skf_vvalue inverse_triangle_any(const triangle_row *T, skf_v3d x) {
   for (int i = 0; i < 3; i++) a[i] = vd3_sub(T->v[i], x), r[i] = vd_sqrt(vd3_dot(a[i], a[i]));
   skf_vi far = vd_min(r[0], vd_min(r[1], r[2])) > T->far;
   int lanes = vi_bits(far);
-  if (lanes == 0) return near_triangle(T, a, r);
+  if (lanes == 0) return vv_scale(T->strength, near_triangle(T, a, r));
   skf_vvalue v = far_triangle(T, a[0]);
   v.good = vd_sane(r[0]);
-  if (lanes == (1 << SKF_LANES) - 1) return v;
+  if (lanes == (1 << SKF_LANES) - 1) return vv_scale(T->strength, v);
   skf_vvalue u = near_triangle(T, a, r);
-  return (skf_vvalue){vd_select(far, v.F, u.F), vd3_select(far, v.g, u.g), (far & v.good) | (~far & u.good)};
+  v = (skf_vvalue){vd_select(far, v.F, u.F), vd3_select(far, v.g, u.g), (far & v.good) | (~far & u.good)};
+  return vv_scale(T->strength, v);
 }
 
-SKF_BATCH_STAGED(inverse_triangle, triangle, inverse_triangle_any, inverse_triangle_middle, inverse_triangle_series,
-                 skf_stage_none)
+SKF_BATCH_LACED(inverse_triangle, triangle, inverse_triangle_any, inverse_triangle_roots, inverse_triangle_middle,
+                inverse_triangle_series)
 
 #endif
