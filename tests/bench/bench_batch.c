@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Batches through the public interface, one thread unless told: ns and cycles of a value with its gradient for each
    vector form, beside the closed form at each point; the same textbook formula with the functions of libm, of glibc's
-   vector library and of SLEEF (1 ulp), and the largest relative errors of all against long double; the cost of a batch
-   of one point; batches in main memory; two threads. Least of many interleaved runs; it only reports. */
+   vector library and of SLEEF (1 ulp), straightforwardly and once more with the geometry that keeps the digits next to
+   the body, and the largest relative errors of all against long double; the cost of a batch of one point; batches in
+   main memory; two threads. Least of many interleaved runs; it only reports. */
 #include "core/vec3.h"
 #include "field/batch.h"
 #include "simd/vec.h"
@@ -10,19 +11,25 @@
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
+#ifdef __linux__
+#include <linux/perf_event.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+#endif
 #ifdef SKF_HAVE_SLEEF
 #include <sleef.h>
 #endif
 
-enum { POINTS = 2048, PAD = 24, RUNS = 150, HUGE_POINTS = 2000000, FORMULAS = 7 };
+enum { POINTS = 1024, PAD = 24, RUNS = 150, IN_A_ROW = 4, HUGE_POINTS = 2000000, FORMULAS = 7 };
 
 static double p[3][POINTS + PAD], F[4][POINTS + PAD]; /* padded: rows a multiple of 4096 bytes apart disturb */
 static long double exact[4][POINTS];
 
 typedef struct library {
   void (*prepare)(const skf_element *e);
-  void (*run[FORMULAS])(size_t n);
+  void (*run[FORMULAS][2])(size_t n); /* straightforwardly; carefully, or NULL */
 } library;
 
 /* In the order of `run` */
@@ -33,73 +40,77 @@ static const struct {
     {SKF_INVERSE, SKF_SEGMENT}, {SKF_CAUCHY, SKF_SEGMENT},   {SKF_INVERSE, SKF_TRIANGLE},       {SKF_CAUCHY, SKF_ARC},
     {SKF_GAUSSIAN, SKF_POINT},  {SKF_GAUSSIAN, SKF_SEGMENT}, {SKF_INVERSE_SQUARED, SKF_SEGMENT}};
 
-#define V           long double
-#define REAL        long double
-#define NAME(x)     exact_##x
-#define LOAD(p)     ((long double)*(p))
-#define STORE(p, v) (*(p) = (v))
-#define OUT         exact
-#define SQRT        sqrtl
-#define LOG1P       log1pl
-#define EXP         expl
-#define ERF         erfl
-#define ATAN        atanl
-#define ATAN2       atan2l
-#define SIN         sinl
-#define COS         cosl
+#define V               long double
+#define REAL            long double
+#define NAME(x)         exact_##x
+#define LOAD(p)         ((long double)*(p))
+#define STORE(p, v)     (*(p) = (v))
+#define SELECT(m, a, b) ((m) ? (a) : (b))
+#define OUT             exact
+#define SQRT            sqrtl
+#define LOG1P           log1pl
+#define EXP             expl
+#define ERF             erfl
+#define ATAN            atanl
+#define ATAN2           atan2l
+#define SIN             sinl
+#define COS             cosl
 #include "formula.h"
 
-#define V           double
-#define REAL        double
-#define NAME(x)     libm_##x
-#define LOAD(p)     (*(p))
-#define STORE(p, v) (*(p) = (v))
-#define OUT         F
-#define SQRT        sqrt
-#define LOG1P       log1p
-#define EXP         exp
-#define ERF         erf
-#define ATAN        atan
-#define ATAN2       atan2
-#define SIN         sin
-#define COS         cos
+#define V               double
+#define REAL            double
+#define NAME(x)         libm_##x
+#define LOAD(p)         (*(p))
+#define STORE(p, v)     (*(p) = (v))
+#define SELECT(m, a, b) ((m) ? (a) : (b))
+#define OUT             F
+#define SQRT            sqrt
+#define LOG1P           log1p
+#define EXP             exp
+#define ERF             erf
+#define ATAN            atan
+#define ATAN2           atan2
+#define SIN             sin
+#define COS             cos
 #include "formula.h"
 
 #ifdef SKF_HAVE_LIBMVEC
 __m256d _ZGVdN4v_erf(__m256d), _ZGVdN4v_log1p(__m256d), _ZGVdN4v_exp(__m256d), _ZGVdN4v_atan(__m256d),
     _ZGVdN4vv_atan2(__m256d, __m256d);
-#define V           skf_vd
-#define REAL        double
-#define NAME(x)     glibc_##x
-#define LOAD        vd_load
-#define STORE       vd_store
-#define OUT         F
-#define SQRT        vd_sqrt
-#define LOG1P(x)    ((skf_vd)_ZGVdN4v_log1p((__m256d)(x)))
-#define ERF(x)      ((skf_vd)_ZGVdN4v_erf((__m256d)(x)))
-#define EXP(x)      ((skf_vd)_ZGVdN4v_exp((__m256d)(x)))
-#define ATAN(x)     ((skf_vd)_ZGVdN4v_atan((__m256d)(x)))
-#define ATAN2(y, x) ((skf_vd)_ZGVdN4vv_atan2((__m256d)(y), (__m256d)(x)))
-#define SIN         sin
-#define COS         cos
+#define V               skf_vd
+#define REAL            double
+#define NAME(x)         glibc_##x
+#define LOAD            vd_load
+#define STORE           vd_store
+#define SELECT(m, a, b) vd_select(m, a, b)
+#define OUT             F
+#define SQRT            vd_sqrt
+#define LOG1P(x)        ((skf_vd)_ZGVdN4v_log1p((__m256d)(x)))
+#define ERF(x)          ((skf_vd)_ZGVdN4v_erf((__m256d)(x)))
+#define EXP(x)          ((skf_vd)_ZGVdN4v_exp((__m256d)(x)))
+#define ATAN(x)         ((skf_vd)_ZGVdN4v_atan((__m256d)(x)))
+#define ATAN2(y, x)     ((skf_vd)_ZGVdN4vv_atan2((__m256d)(y), (__m256d)(x)))
+#define SIN             sin
+#define COS             cos
 #include "formula.h"
 #endif
 
 #ifdef SKF_HAVE_SLEEF
-#define V           skf_vd
-#define REAL        double
-#define NAME(x)     sleef_##x
-#define LOAD        vd_load
-#define STORE       vd_store
-#define OUT         F
-#define SQRT        vd_sqrt
-#define LOG1P(x)    ((skf_vd)Sleef_log1pd4_u10avx2((__m256d)(x)))
-#define ERF(x)      ((skf_vd)Sleef_erfd4_u10avx2((__m256d)(x)))
-#define EXP(x)      ((skf_vd)Sleef_expd4_u10avx2((__m256d)(x)))
-#define ATAN(x)     ((skf_vd)Sleef_atand4_u10avx2((__m256d)(x)))
-#define ATAN2(y, x) ((skf_vd)Sleef_atan2d4_u10avx2((__m256d)(y), (__m256d)(x)))
-#define SIN         sin
-#define COS         cos
+#define V               skf_vd
+#define REAL            double
+#define NAME(x)         sleef_##x
+#define LOAD            vd_load
+#define STORE           vd_store
+#define SELECT(m, a, b) vd_select(m, a, b)
+#define OUT             F
+#define SQRT            vd_sqrt
+#define LOG1P(x)        ((skf_vd)Sleef_log1pd4_u10avx2((__m256d)(x)))
+#define ERF(x)          ((skf_vd)Sleef_erfd4_u10avx2((__m256d)(x)))
+#define EXP(x)          ((skf_vd)Sleef_expd4_u10avx2((__m256d)(x)))
+#define ATAN(x)         ((skf_vd)Sleef_atand4_u10avx2((__m256d)(x)))
+#define ATAN2(y, x)     ((skf_vd)Sleef_atan2d4_u10avx2((__m256d)(y), (__m256d)(x)))
+#define SIN             sin
+#define COS             cos
 #include "formula.h"
 #endif
 
@@ -152,9 +163,7 @@ static skf_primitive unit(skf_shape shape, bool circle) {
   skf_primitive s = {.shape = shape};
   switch (shape) {
   case SKF_SEGMENT: s.segment = (skf_segment){{-1, 0, 0}, {1, 0.1, 0}}; break;
-  case SKF_ARC: /* symmetric to the x axis */
-    s.arc = (skf_arc){{0, 0, 0}, {0, 0, 1}, {cos(1), -sin(1), 0}, 1, circle ? 2 * SKF_PI : 2};
-    break;
+  case SKF_ARC: s.arc = (skf_arc){{0, 0, 0}, {0, 0, 1}, {cos(1), -sin(1), 0}, 1, circle ? 2 * SKF_PI : 2}; break;
   case SKF_TRIANGLE: s.triangle = (skf_triangle){{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0.2}}}; break;
   case SKF_PLANE: s.plane = (skf_plane){{0, 0, 0}, {0, 0, 1}}; break;
   default: break;
@@ -205,19 +214,56 @@ static void title(const char *name, const skf_element *e) {
   printf("%-16s %-12s", skf_kernel_get(e->kernel.type)->name, name);
 }
 
+/* Cycles of this thread outside of the kernel, 0 where they cannot be counted */
+static int counter = -1;
+static void count_cycles(void) {
+#ifdef __linux__
+  struct perf_event_attr a = {.type = PERF_TYPE_HARDWARE, .config = PERF_COUNT_HW_CPU_CYCLES};
+  a.size = sizeof a, a.exclude_kernel = 1, a.exclude_hv = 1;
+  counter = (int)syscall(SYS_perf_event_open, &a, 0, -1, -1, 0);
+#endif
+}
+static double cycles(void) {
+  unsigned long long count = 0;
+#ifdef __linux__
+  if (counter >= 0 && read(counter, &count, sizeof count) != sizeof count) count = 0;
+#endif
+  return (double)count;
+}
+
+static void repeat(const skf_field *f, void (*run)(size_t)) {
+  for (int k = 0; k < IN_A_ROW; k++)
+    if (f)
+      eval(f, POINTS);
+    else
+      run(POINTS);
+}
+
+/* The errors of what lies in F, in `exact` the formula */
+static void print_error(void) {
+  error e = compare();
+  printf("  %7.1e %7.1e", e.F, e.g);
+}
+
 static void table_row(const char *name, const skf_element *e, size_t n) {
-  double scalar = INFINITY, vector = INFINITY, other[LIBRARIES], per = POINTS * (double)n;
-  int formula = n == 1 ? formula_of(e) : -1;
+  double scalar = INFINITY, vector = INFINITY, counted = INFINITY, nothing = INFINITY, per = POINTS * (double)n;
+  double other[2][LIBRARIES];
+  int formula = n == 1 ? formula_of(e) : -1, ways = formula < 0 ? 0 : libraries[0].library->run[formula][1] ? 2 : 1;
   skf_field *a = make("scalar", e, n), *b = make("avx2", e, n);
-  for (int i = 0; i < LIBRARIES; i++) libraries[i].library->prepare(e), other[i] = INFINITY;
+  for (int i = 0; i < LIBRARIES; i++) libraries[i].library->prepare(e), other[0][i] = other[1][i] = INFINITY;
   for (int r = 0; r < RUNS; r++) {
     double t = cpu();
-    eval(b, POINTS);
-    keep(&vector, cpu() - t - read_ns);
-    for (int i = 0; i < LIBRARIES && formula >= 0; i++) {
+    repeat(b, NULL);
+    keep(&vector, (cpu() - t - read_ns) / IN_A_ROW);
+    double c = cycles();
+    keep(&nothing, cycles() - c);
+    c = cycles();
+    repeat(b, NULL);
+    keep(&counted, cycles() - c);
+    for (int k = 0; k < ways * LIBRARIES; k++) {
       t = cpu();
-      libraries[i].library->run[formula](POINTS);
-      keep(other + i, cpu() - t - read_ns);
+      repeat(NULL, libraries[k / ways].library->run[formula][k % ways]);
+      keep(other[k % ways] + k / ways, (cpu() - t - read_ns) / IN_A_ROW);
     }
     if (r % 16) continue;
     t = cpu();
@@ -225,19 +271,21 @@ static void table_row(const char *name, const skf_element *e, size_t n) {
     keep(&scalar, (cpu() - t - read_ns) * 8);
   }
   calibrate();
+  counted = counted > 0 ? (counted - nothing) / IN_A_ROW : vector / cycle_ns;
   title(name, e);
-  printf(" %8.1f %8.2f %7.2f %7.1f", scalar / per, vector / per, vector / per / cycle_ns, scalar / vector);
-  if (formula >= 0) {
+  printf(" %8.1f %8.2f %7.2f %7.1f", scalar / per, vector / per, counted / per, scalar / vector);
+  if (ways) {
     exact_library.prepare(e);
-    exact_library.run[formula](POINTS);
-    for (int i = 0; i < LIBRARIES; i++) printf("  %7.2f", other[i] / vector);
+    exact_library.run[formula][0](POINTS);
+  }
+  for (int way = 0; way < ways; way++) {
+    if (way) printf("\n%-29s %8s %8s %7s %7s", "  carefully", "", "", "", "");
+    for (int i = 0; i < LIBRARIES; i++) printf("  %7.2f", other[way][i] / vector);
     eval(b, POINTS);
-    error own = compare();
-    printf("  %7.1e %7.1e", own.F, own.g);
+    print_error();
     for (int i = 0; i < LIBRARIES; i++) {
-      libraries[i].library->run[formula](POINTS);
-      error his = compare();
-      printf("  %7.1e %7.1e", his.F, his.g);
+      libraries[i].library->run[formula][way](POINTS);
+      print_error();
     }
   }
   printf("\n");
@@ -369,6 +417,7 @@ int main(void) {
       p[k][i] = 3 * ((double)(seed >> 11) * 0x1p-53) - 1.5;
     }
   calibrate();
+  count_cycles();
   table();
   one_point();
   large();

@@ -1,28 +1,37 @@
 /* SPDX-License-Identifier: MIT */
 /* Textbook formulas of F and its gradient, written once for every library of functions that bench_batch.c compares.
-   Included with NAME(x); REAL, a type of numbers; V, REAL or a vector of doubles; LOAD(p) and STORE(p, v); SQRT, LOG1P,
-   EXP, ERF, ATAN and ATAN2 on V; OUT, four arrays. Bodies are in general position but for the arc, which lies in z = 0
-   about the origin, symmetric to the x axis. */
+   Included with NAME(x); REAL, a type of numbers; V, REAL or a vector of doubles; LOAD(p) and STORE(p, v); SELECT(m, a,
+   b); SQRT, LOG1P, EXP, ERF, ATAN and ATAN2 on V; OUT, four arrays. Bodies are in general position. Some lose digits
+   next to the body: those are there a second time, carefully, with the geometry that keeps them. */
 
 typedef struct NAME(body) {
   V a[3], b[3], u[3], L, s;              /* a point, or a segment's ends, direction, length; the kernel's parameter */
   V v[3][3], m[3][3], l[3], n[3], twice; /* triangle: corners, outward normals and lengths of edges, normal, 2 area */
   V R, cos, sin, tan;                    /* arc: radius, half the sweep's cosine and sine, tangent of a quarter */
+  V at[3], axis[3][3];                   /* its centre, the directions of its middle, along it there, across */
 } NAME(body);
 
 static NAME(body) NAME(c);
 
 static inline V NAME(dot)(const V a[3], const V b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/* log((S + L) / (S - L)), S = r0 + r1, S^2 - L^2 = 2 (r0 r1 + d0 d1) */
-static inline V NAME(edge)(V r0, V r1, V dot, V L) { return LOG1P(L * (r0 + r1 + L) / (r0 * r1 + dot)); }
+/* r0 r1 + d0 d1; between the ends, where that cancels, |d0 x d1|^2 / (r0 r1 - d0 d1) */
+static inline V NAME(near)(const V d[3], const V e[3], V rr, V dot, bool careful) {
+  V n[3];
+  if (!careful) return rr + dot;
+  for (int k = 0; k < 3; k++) n[k] = d[(k + 1) % 3] * e[(k + 2) % 3] - d[(k + 2) % 3] * e[(k + 1) % 3];
+  return SELECT(dot < 0, NAME(dot)(n, n) / (rr - dot), rr + dot);
+}
 
-static inline void NAME(inverse_segment)(const NAME(body) * c, const V x[3], V out[4]) {
+/* log((S + L) / (S - L)), S = r0 + r1, S^2 - L^2 = 2 (r0 r1 + d0 d1) */
+static inline V NAME(edge)(V r0, V r1, V near, V L) { return LOG1P(L * (r0 + r1 + L) / near); }
+
+static inline void NAME(segment)(const NAME(body) * c, const V x[3], V out[4], bool careful) {
   V d[3], e[3];
   for (int k = 0; k < 3; k++) d[k] = x[k] - c->a[k], e[k] = x[k] - c->b[k];
   V r0 = SQRT(NAME(dot)(d, d)), r1 = SQRT(NAME(dot)(e, e)), dot = NAME(dot)(d, e);
-  V w = -c->L / ((r0 * r1 + dot) * r0 * r1), w0 = w * r1, w1 = w * r0;
-  out[0] = NAME(edge)(r0, r1, dot, c->L);
+  V rr = r0 * r1, near = NAME(near)(d, e, rr, dot, careful), w = -c->L / (near * rr), w0 = w * r1, w1 = w * r0;
+  out[0] = NAME(edge)(r0, r1, near, c->L);
   for (int k = 0; k < 3; k++) out[1 + k] = w0 * d[k] + w1 * e[k];
 }
 
@@ -68,12 +77,15 @@ static inline void NAME(squared_segment)(const NAME(body) * c, const V x[3], V o
 }
 
 /* [Wilson 1994; van Oosterom and Strackee 1983] */
-static inline void NAME(inverse_triangle)(const NAME(body) * c, const V x[3], V out[4]) {
+static inline void NAME(triangle)(const NAME(body) * c, const V x[3], V out[4], bool careful) {
   V a[3][3], r[3], dot[3], J[3];
   for (int i = 0; i < 3; i++)
     for (int k = 0; k < 3; k++) a[i][k] = c->v[i][k] - x[k];
   for (int i = 0; i < 3; i++) r[i] = SQRT(NAME(dot)(a[i], a[i])), dot[i] = NAME(dot)(a[i], a[(i + 1) % 3]);
-  for (int i = 0; i < 3; i++) J[i] = NAME(edge)(r[i], r[(i + 1) % 3], dot[i], c->l[i]);
+  for (int i = 0; i < 3; i++) {
+    int j = (i + 1) % 3;
+    J[i] = NAME(edge)(r[i], r[j], NAME(near)(a[i], a[j], r[i] * r[j], dot[i], careful), c->l[i]);
+  }
   V h = NAME(dot)(a[0], c->n), den = r[0] * r[1] * r[2] + dot[0] * r[2] + dot[1] * r[0] + dot[2] * r[1];
   V solid = 2 * ATAN2(h * c->twice, den);
   out[0] =
@@ -82,9 +94,16 @@ static inline void NAME(inverse_triangle)(const NAME(body) * c, const V x[3], V 
     out[1 + k] = solid * c->n[k] - (c->m[0][k] * J[0] + c->m[1][k] * J[1] + c->m[2][k] * J[2]);
 }
 
+/* From an arc's axes back */
+static inline void NAME(turn)(const NAME(body) * c, V gx, V gy, V gz, V out[4]) {
+  for (int k = 0; k < 3; k++) out[1 + k] = gx * c->axis[0][k] + gy * c->axis[1][k] + gz * c->axis[2][k];
+}
+
 /* R times the integral of (a - b cos - c sin)^-2 over the angle, by the tangent of its half, and its derivatives. */
-static inline void NAME(cauchy_arc)(const NAME(body) * c, const V x[3], V out[4]) {
-  V s2 = c->s * c->s, R = c->R, b2 = 2 * R * s2, T = c->tan, co = c->cos, si = c->sin;
+static inline void NAME(cauchy_arc)(const NAME(body) * c, const V at[3], V out[4]) {
+  V s2 = c->s * c->s, R = c->R, b2 = 2 * R * s2, T = c->tan, co = c->cos, si = c->sin, d[3], x[3];
+  for (int k = 0; k < 3; k++) d[k] = at[k] - c->at[k];
+  for (int k = 0; k < 3; k++) x[k] = NAME(dot)(d, c->axis[k]);
   V a = 1 + s2 * (NAME(dot)(x, x) + R * R), bx = b2 * x[0], by = b2 * x[1], C = a * a - bx * bx - by * by;
   V root = SQRT(C), m = a + bx, W2 = m * T - by, W1 = -(m * T) - by, D2 = a - bx * co - by * si, D1 = D2 + 2 * by * si;
   V angle = ATAN2(root * (W2 - W1), C + W1 * W2), DD = D1 * D2, all = 1 / (root * DD * m);
@@ -97,9 +116,25 @@ static inline void NAME(cauchy_arc)(const NAME(body) * c, const V x[3], V out[4]
   V Ey = co * (i1 - i2) + si * (n2 * i2 * i2 + n1 * i1 * i1);
   V fa = 2 * s2 * R * (Ea + I + a * Ia - 2 * a * G) * iC, fb = R * b2 * iC;
   out[0] = R * G;
-  out[1] = fa * x[0] + fb * (Ex + a * Ix + 2 * bx * G);
-  out[2] = fa * x[1] + fb * (Ey + a * Iy + 2 * by * G);
-  out[3] = fa * x[2];
+  V gx = fa * x[0] + fb * (Ex + a * Ix + 2 * bx * G), gy = fa * x[1] + fb * (Ey + a * Iy + 2 * by * G);
+  NAME(turn)(c, gx, gy, fa * x[2], out);
+}
+
+/* lib/field/batch_arc.h's */
+static inline void NAME(careful_arc)(const NAME(body) * c, const V at[3], V out[4]) {
+  V R = c->s * c->R, d[3], x[3];
+  for (int k = 0; k < 3; k++) d[k] = c->s * (at[k] - c->at[k]);
+  for (int k = 0; k < 3; k++) x[k] = NAME(dot)(d, c->axis[k]);
+  V u = x[0], v = x[1], kk = u * u + v * v, q = 1 + x[2] * x[2], w = kk - R * R, a = q + kk + R * R, two = 2 * R;
+  V DD = w * w + q * (a + kk + R * R), D = SQRT(DD), dot = a * c->cos - two * u, cross = D * c->sin;
+  V per_W = 1 / (dot * dot + cross * cross), per_D = 1 / DD, I1 = ATAN2(cross, dot) / D;
+  V pS = two * c->sin * u, tS = two * c->sin * v, tC = two * c->cos * v, g = a - two * c->cos * u, bb = two * two * kk;
+  V E1 = (pS * g - tC * tS) * per_W, I2 = (a * I1 + E1) * per_D, gt = 2 * g * tS;
+  V E2 = (pS * (g * g + tS * tS) - tC * gt) * per_W * per_W, I3 = (E2 - I1 + 3 * a * I2) * per_D;
+  V X3 = (a * (E2 + (a * E1 + bb * I1) * per_D) + 2 * bb * I2) * per_D;
+  V G = -2 * c->R * c->s / kk, P = G * (2 * kk * I3 - X3), Q = G * gt * per_W * per_W;
+  out[0] = 2 * c->R * I2;
+  NAME(turn)(c, P * u - Q * v, P * v + Q * u, -4 * c->R * c->s * x[2] * I3, out);
 }
 
 static inline void NAME(gaussian_point)(const NAME(body) * c, const V x[3], V out[4]) {
@@ -137,6 +172,11 @@ static void NAME(prepare)(const skf_element *e) {
     REAL half = (REAL)q->arc.sweep / 2, cosine = COS(half), sine = SIN(half);
     c->R = NAME(all)((REAL)q->arc.radius);
     c->cos = NAME(all)(cosine), c->sin = NAME(all)(sine), c->tan = NAME(all)(sine / (1 + cosine));
+    V side[3], start[3];
+    NAME(vector)(c->at, q->arc.center), NAME(vector)(c->axis[2], q->arc.normal), NAME(vector)(start, q->arc.start);
+    NAME(cross)(c->axis[2], start, side);
+    for (int k = 0; k < 3; k++) c->axis[0][k] = c->cos * start[k] + c->sin * side[k];
+    NAME(cross)(c->axis[2], c->axis[0], c->axis[1]);
   }
   if (q->shape != SKF_TRIANGLE) return;
   V t[3][3];
@@ -151,34 +191,42 @@ static void NAME(prepare)(const skf_element *e) {
   }
 }
 
-#define FORMULA_RUN(formula)                                                                                           \
+#define FORMULA_RUN(formula, call)                                                                                     \
   static void NAME(run_##formula)(size_t n) {                                                                          \
-    const NAME(body) c = NAME(c);                                                                                      \
+    const NAME(body) copy = NAME(c), *const c = &copy;                                                                 \
     for (size_t i = 0; i < n; i += sizeof(V) == 32 ? 4 : 1) {                                                          \
       V x[3] = {LOAD(p[0] + i), LOAD(p[1] + i), LOAD(p[2] + i)}, v[4];                                                 \
-      NAME(formula)(&c, x, v);                                                                                         \
+      call;                                                                                                            \
       for (int k = 0; k < 4; k++) STORE(OUT[k] + i, v[k]);                                                             \
     }                                                                                                                  \
   }
-FORMULA_RUN(inverse_segment)
-FORMULA_RUN(cauchy_segment)
-FORMULA_RUN(inverse_triangle)
-FORMULA_RUN(cauchy_arc)
-FORMULA_RUN(gaussian_point)
-FORMULA_RUN(gaussian_segment)
-FORMULA_RUN(squared_segment)
+FORMULA_RUN(inverse_segment, NAME(segment)(c, x, v, false))
+FORMULA_RUN(careful_segment, NAME(segment)(c, x, v, true))
+FORMULA_RUN(cauchy_segment, NAME(cauchy_segment)(c, x, v))
+FORMULA_RUN(inverse_triangle, NAME(triangle)(c, x, v, false))
+FORMULA_RUN(careful_triangle, NAME(triangle)(c, x, v, true))
+FORMULA_RUN(cauchy_arc, NAME(cauchy_arc)(c, x, v))
+FORMULA_RUN(careful_arc, NAME(careful_arc)(c, x, v))
+FORMULA_RUN(gaussian_point, NAME(gaussian_point)(c, x, v))
+FORMULA_RUN(gaussian_segment, NAME(gaussian_segment)(c, x, v))
+FORMULA_RUN(squared_segment, NAME(squared_segment)(c, x, v))
 #undef FORMULA_RUN
 
 static const library NAME(library) = {NAME(prepare),
-                                      {NAME(run_inverse_segment), NAME(run_cauchy_segment), NAME(run_inverse_triangle),
-                                       NAME(run_cauchy_arc), NAME(run_gaussian_point), NAME(run_gaussian_segment),
-                                       NAME(run_squared_segment)}};
+                                      {{NAME(run_inverse_segment), NAME(run_careful_segment)},
+                                       {NAME(run_cauchy_segment), NULL},
+                                       {NAME(run_inverse_triangle), NAME(run_careful_triangle)},
+                                       {NAME(run_cauchy_arc), NAME(run_careful_arc)},
+                                       {NAME(run_gaussian_point), NULL},
+                                       {NAME(run_gaussian_segment), NULL},
+                                       {NAME(run_squared_segment), NULL}}};
 #undef V
 #undef REAL
 #undef NAME
 #undef LOAD
 #undef STORE
 #undef OUT
+#undef SELECT
 #undef SQRT
 #undef LOG1P
 #undef EXP
