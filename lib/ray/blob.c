@@ -17,19 +17,8 @@ skf_blob skf_blob_of(const skf_element *e) {
   }
   if (!(R > 1e-100 && R < 1e100 && e->strength > 1e-100 && e->strength < 1e100)) return b;
   if (soft) c3 = 4. / 9;
-  return (skf_blob){at, 1 / (R * R), e->strength, 1 - c3, c3, R, axis, length};
-}
-
-static double square(double x) { return x * x; }
-
-static bool point_range(const skf_blob *b, const skf_cube *c, double *lo, double *hi) {
-  double x = fabs(c->center.x - b->at.x), y = fabs(c->center.y - b->at.y), z = fabs(c->center.z - b->at.z), h = c->half;
-  double nx = x > h ? x - h : 0, ny = y > h ? y - h : 0, nz = z > h ? z - h : 0;
-  double most = 1 - (nx * nx + ny * ny + nz * nz) * b->per * (1 - 1e-12);
-  if (!(most > 0)) return false;
-  double least = 1 - (square(x + h) + square(y + h) + square(z + h)) * b->per * (1 + 1e-12);
-  *lo += b->strength * skf_blob_law(b, least), *hi += b->strength * skf_blob_law(b, most);
-  return true;
+  return (skf_blob){at,   1 / (R * R), e->strength, 1 - c3, c3,         R,
+                    axis, length,      0.5 * R * R, 1 / R,  length / R, e->strength * R};
 }
 
 /* Beside a segment, at x along it and where m = 1 - h^2 / R^2; all lengths in units of R, without the strength. */
@@ -45,7 +34,7 @@ static double beside(const skf_blob *b, double x, double length, double m) {
 }
 
 /* The field falls with the distance from the axis, and along it with that from the middle. */
-static bool segment_range(const skf_blob *b, const skf_cube *c, double *lo, double *hi) {
+bool skf_segment_range(const skf_blob *b, const skf_cube *c, double *lo, double *hi) {
   skf_vec3 v = v3_sub(c->center, b->at), a = b->axis;
   double along = v3_dot(v, a), wide = c->half * (fabs(a.x) + fabs(a.y) + fabs(a.z)) * (1 + 1e-12), R = b->R;
   if (along + wide < -R || along - wide > b->length + R) return false;
@@ -60,8 +49,4 @@ static bool segment_range(const skf_blob *b, const skf_cube *c, double *lo, doub
   *hi += s * (most + 64 * DBL_EPSILON);
   if (m > 0) *lo += s * fmax(fmin(beside(b, x - w, L, m), beside(b, x + w, L, m)) - 64 * DBL_EPSILON, 0);
   return true;
-}
-
-bool skf_blob_range(const skf_blob *b, const skf_cube *c, double *lo, double *hi) {
-  return b->length > 0 ? segment_range(b, c, lo, hi) : point_range(b, c, lo, hi);
 }

@@ -13,8 +13,9 @@ typedef struct skf_blob {
   skf_vec3 at; /* or the segment's start */
   double per;  /* 1 / R^2; 0: no such element */
   double strength, c2, c3, R;
-  skf_vec3 axis; /* unit */
-  double length; /* 0: a point */
+  skf_vec3 axis;                       /* unit */
+  double length;                       /* 0: a point */
+  double half_R2, per_R, span, moment; /* R^2 / 2, 1 / R, length / R, strength R */
 } skf_blob;
 
 /* per = 0 unless the element is a point or a segment without a profile, of the quartic kernel or the soft object, of
@@ -27,8 +28,8 @@ typedef struct skf_cube {
   double half, radius;
 } skf_cube;
 
-/* Adds bounds of its field in the cube; false when it is out of reach. */
-bool skf_blob_range(const skf_blob *b, const skf_cube *c, double *lo, double *hi);
+/* Adds bounds of a segment's field in the cube; false when it is out of reach. */
+bool skf_segment_range(const skf_blob *b, const skf_cube *c, double *lo, double *hi);
 
 /* The length along a segment that a ball of radius R can hold, 1 for a point: bounds of the kernel's derivatives times
    it are those of the field's. */
@@ -45,6 +46,24 @@ static inline double skf_blob_bend(const skf_blob *b) {
 }
 
 static inline double skf_blob_law(const skf_blob *b, double m) { return m > 0 ? m * m * (b->c2 + b->c3 * m) : 0; }
+
+/* By how much |a - b| is more than h, without a branch. */
+static inline double skf_beyond(double a, double b, double h) {
+  double d = fabs(a - b) - h;
+  return 0.5 * (d + fabs(d));
+}
+
+/* The same of any blob; a point's are those at the nearest and the farthest place. */
+static inline bool skf_blob_range(const skf_blob *b, const skf_cube *c, double *lo, double *hi) {
+  if (b->length > 0) return skf_segment_range(b, c, lo, hi);
+  double h = c->half, x = skf_beyond(c->center.x, b->at.x, h), y = skf_beyond(c->center.y, b->at.y, h),
+         z = skf_beyond(c->center.z, b->at.z, h), most = 1 - (x * x + y * y + z * z) * b->per * (1 - 1e-12);
+  if (!(most > 0)) return false;
+  x = fabs(c->center.x - b->at.x) + h, y = fabs(c->center.y - b->at.y) + h, z = fabs(c->center.z - b->at.z) + h;
+  double least = 1 - (x * x + y * y + z * z) * b->per * (1 + 1e-12);
+  *lo += b->strength * skf_blob_law(b, least), *hi += b->strength * skf_blob_law(b, most);
+  return true;
+}
 
 /* Value and gradient at p of n points, summed plainly; *size: sum of strength times m, which is at least the value and
    to which its rounding is relative: less than 12 eps of it, and what the rounding of p makes. */

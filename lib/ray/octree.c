@@ -89,7 +89,10 @@ static outlook look_out(const skf_octree *t, const skf_cube *c, const skf_branch
     const skf_blob *b = t->blobs + k;
     bool blob = b->per > 0;
     bool taken = blob ? skf_blob_range(b, c, &o.of.lo, &o.of.hi) : skf_octree_add(t, k, c->center, c->radius, &o.of);
-    if (blob && taken) o.least = fmin(o.least, b->R), o.soft |= b->c3 > 0, o.segments |= b->length > 0;
+    if (blob && taken) {
+      o.least = b->R < o.least ? b->R : o.least;
+      o.soft |= b->c3 > 0, o.segments |= b->length > 0;
+    }
     kept[n] = k;
     n += taken;
     o.blobs &= blob || !taken;

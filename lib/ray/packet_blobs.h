@@ -37,7 +37,7 @@ SKF_INLINE void in_points(const int n, skf_packet *p, const skf_leaf *leaf, cons
     const skf_piece *q = &s[v].found;
     set_outcome(o, v, s[v].hit, s[v].clear, s[v].side);
     o->lo[v] = q->u, o->hi[v] = q->u + q->h, o->f[v] = q->c[0], o->u[v] = q->u;
-    if (vi_any(s[v].hit)) o->u[v] += q->h * root(n, q->c);
+    if (vi_any(s[v].hit)) o->u[v] += q->h * root(n, q->c, s[v].hit);
   }
 }
 

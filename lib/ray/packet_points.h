@@ -19,7 +19,7 @@ SKF_INLINE void find_ends(const skf_leaf *leaf, const skf_ways *ways, int v, skf
   skf_vd zero = vd_set(0), L = ways->length[v];
   for (uint32_t i = 0; i < leaf->count; i++) {
     const skf_way *w = &ways->of[i][v];
-    skf_vd half_R2 = vd_set(0.5 * leaf->blobs[i].R * leaf->blobs[i].R), D = w->m1 * w->m1 + vd_set(4) * w->m2 * w->m0;
+    skf_vd half_R2 = vd_set(leaf->blobs[i].half_R2), D = w->m1 * w->m1 + vd_set(4) * w->m2 * w->m0;
     skf_vd s = vd_sqrt(vd_max(D, zero));
     e->in[i] = vd_max((w->m1 - s) * half_R2, zero), e->out[i] = vd_min((w->m1 + s) * half_R2, L);
   }
@@ -107,7 +107,7 @@ SKF_INLINE void judge(const int n, const skf_piece *q, skf_vd L, skf_vd noise, b
 }
 
 /* The root in (0, 1) of what has one, as `root` in pieces.c: Newton's steps between ends that close in. */
-SKF_INLINE skf_vd root(const int n, const skf_vd *c) {
+SKF_INLINE skf_vd root(const int n, const skf_vd *c, skf_vi on) {
   static const double binomial[2][7] = {{1, 4, 6, 4, 1}, {1, 6, 15, 20, 15, 6, 1}};
   skf_vd d[7], zero = vd_set(0), one = vd_set(1), lo = zero, hi = one, x = zero;
   skf_vi up = c[n] > zero;
@@ -122,7 +122,6 @@ SKF_INLINE skf_vd root(const int n, const skf_vd *c) {
   for (int k = 1; k <= n; k++)
     for (int i = n; i >= k; i--) d[i] -= d[i - 1];
   for (int k = 1; k < n; k++) d[k] *= vd_set(binomial[n == 6][k]);
-  skf_vi on = vi_set(-1);
   for (int i = 0; i < 24 && vi_any(on); i++) {
     skf_vd f = d[n], slope = zero;
     for (int k = n - 1; k >= 0; k--) slope = slope * x + f, f = f * x + d[k];

@@ -15,9 +15,9 @@ typedef struct skf_view {
 SKF_INLINE void add_segment(const skf_blob *b, skf_vd x, skf_vd y, skf_vd z, skf_view *s) {
   skf_vd ax = vd_set(b->axis.x), ay = vd_set(b->axis.y), az = vd_set(b->axis.z), zero = vd_set(0), half = vd_set(0.5);
   skf_vd along = x * ax + y * ay + z * az, c2 = vd_set(b->c2), c3 = vd_set(b->c3), F = zero, by_m = zero;
-  x -= along * ax, y -= along * ay, z -= along * az, along *= vd_set(1 / b->R);
+  x -= along * ax, y -= along * ay, z -= along * az, along *= vd_set(b->per_R);
   skf_vd m = vd_max(vd_set(1) - (x * x + y * y + z * z) * vd_set(b->per), zero), T = vd_sqrt(m);
-  skf_vd lo = vd_min(vd_max(-along, -T), T), hi = vd_max(vd_min(vd_set(b->length / b->R) - along, T), -T);
+  skf_vd lo = vd_min(vd_max(-along, -T), T), hi = vd_max(vd_min(vd_set(b->span) - along, T), -T);
   skf_vd long_half = half * (hi - lo), middle = half * (hi + lo);
   int n = b->c3 > 0 ? 4 : 3;
   const skf_gauss_node *node = skf_gauss_rule(n);
@@ -25,7 +25,7 @@ SKF_INLINE void add_segment(const skf_blob *b, skf_vd x, skf_vd y, skf_vd z, skf
     skf_vd t = middle + long_half * vd_set(node[j].x), q = vd_max((T - t) * (T + t), zero), w = vd_set(node[j].w) * q;
     F += w * q * (c2 + c3 * q), by_m += w * (vd_set(2) * c2 + vd_set(3) * c3 * q);
   }
-  skf_vd q0 = vd_max((T - lo) * (T + lo), zero), q1 = vd_max((T - hi) * (T + hi), zero), w = vd_set(b->strength * b->R);
+  skf_vd q0 = vd_max((T - lo) * (T + lo), zero), q1 = vd_max((T - hi) * (T + hi), zero), w = vd_set(b->moment);
   skf_vd ends = vd_set(b->strength) * (q0 * q0 * (c2 + c3 * q0) - q1 * q1 * (c2 + c3 * q1));
   F *= w * long_half, by_m *= w * long_half;
   s->F += F, s->size += by_m;

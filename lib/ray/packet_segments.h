@@ -47,7 +47,7 @@ SKF_INLINE skf_slope slope_at(const skf_packet *p, const skf_leaf *leaf, const s
     skf_vd m = vd_max(w->m0 + u * (w->m1 - u * w->m2), zero), dm = w->m1 - (u + u) * w->m2;
     if (b->length > 0) {
       skf_beside at = beside(b, w->x0 + u * w->x1, m);
-      skf_vd s = vd_set(b->strength * b->R);
+      skf_vd s = vd_set(b->moment);
       f += s * at.F, df += s * (at.by_m * dm + at.by_x * w->x1);
     } else if (leaf->soft) {
       skf_vd s = vd_set(b->strength) * m, c2 = vd_set(b->c2), c3m = vd_set(b->c3) * m;

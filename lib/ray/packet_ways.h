@@ -18,19 +18,17 @@ typedef struct skf_ways {
 
 SKF_INLINE skf_vd clamped(skf_vd x, skf_vd lo, skf_vd hi) { return vd_max(vd_min(x, hi), lo); }
 
-SKF_INLINE skf_way way_of(const skf_blob *b, skf_vd x, skf_vd y, skf_vd z, skf_vd dx, skf_vd dy, skf_vd dz) {
-  skf_way w = {.m2 = vd_set(b->per)};
-  skf_vd one = vd_set(1), per = vd_set(b->per);
+/* From (x, y, z) in the direction (dx, dy, dz), as far as L; returns an upper bound of F on the way. A point's value is
+   largest where the ray comes nearest to it. */
+SKF_INLINE skf_vd see_point(const skf_blob *b, skf_vd x, skf_vd y, skf_vd z, skf_vd dx, skf_vd dy, skf_vd dz, skf_vd L,
+                            skf_way *out) {
+  skf_vd per = vd_set(b->per), zero = vd_set(0);
   x -= vd_set(b->at.x), y -= vd_set(b->at.y), z -= vd_set(b->at.z);
-  if (b->length > 0) {
-    skf_vd ax = vd_set(b->axis.x), ay = vd_set(b->axis.y), az = vd_set(b->axis.z), per_R = vd_set(1 / b->R);
-    skf_vd s = x * ax + y * ay + z * az, t = dx * ax + dy * ay + dz * az;
-    x -= s * ax, y -= s * ay, z -= s * az, dx -= t * ax, dy -= t * ay, dz -= t * az;
-    w.x0 = s * per_R, w.x1 = t * per_R, w.m2 = (dx * dx + dy * dy + dz * dz) * per;
-  }
-  w.m0 = one - (x * x + y * y + z * z) * per;
-  w.m1 = vd_set(-2) * per * (x * dx + y * dy + z * dz);
-  return w;
+  skf_vd back = x * dx + y * dy + z * dz, m0 = vd_set(1) - (x * x + y * y + z * z) * per,
+         m1 = vd_set(-2 * b->per) * back;
+  out->m0 = m0, out->m1 = m1, out->m2 = per;
+  skf_vd u = clamped(-back, zero, L), m = vd_max(m0 + u * (m1 - u * per), zero), s = vd_set(b->strength) * m * m;
+  return b->c3 > 0 ? s * (vd_set(b->c2) + vd_set(b->c3) * m) : s;
 }
 
 /* int (m - t^2)^2 dt and its derivative by m over 2, of t from 0; with c3 those of (m - t^2)^3 */
@@ -47,7 +45,7 @@ typedef struct skf_beside {
 
 /* A segment's field at x along it and at m >= 0, in units of R and of its strength. */
 SKF_INLINE skf_beside beside(const skf_blob *b, skf_vd x, skf_vd m) {
-  skf_vd y = vd_sqrt(m), L = vd_set(b->length / b->R), c2 = vd_set(b->c2), c3 = vd_set(b->c3), three = vd_set(3);
+  skf_vd y = vd_sqrt(m), L = vd_set(b->span), c2 = vd_set(b->c2), c3 = vd_set(b->c3), three = vd_set(3);
   skf_vd lo = vd_min(vd_max(-x, -y), y), hi = vd_max(vd_min(L - x, y), -y), ll = lo * lo, hh = hi * hi;
   skf_vd a = m - ll, b2 = m - hh, square = squares(m, hi, hh) - squares(m, lo, ll);
   skf_vd line = hi * (m - vd_set(1. / 3) * hh) - lo * (m - vd_set(1. / 3) * ll);
@@ -57,18 +55,21 @@ SKF_INLINE skf_beside beside(const skf_blob *b, skf_vd x, skf_vd m) {
                       vd_set(2) * c2 * line + three * c3 * square, a * a * (c2 + c3 * a) - b2 * b2 * (c2 + c3 * b2)};
 }
 
-/* Upper bound of F over the whole way. */
-SKF_INLINE skf_vd way_most(const skf_blob *b, const skf_way *w, skf_vd L) {
-  skf_vd zero = vd_set(0), top = vd_set(0.5) * (b->length > 0 ? w->m1 / w->m2 : w->m1 * vd_set(b->R * b->R));
-  skf_vd u = clamped(top, zero, L), m = vd_max(w->m0 + u * (w->m1 - u * w->m2), zero);
-  if (b->length > 0) {
-    if (!vi_any(m > zero)) return zero;
-    skf_vd x = w->x0, xL = w->x0 + L * w->x1;
-    skf_vd nearest = clamped(vd_set(0.5 * b->length / b->R), vd_min(x, xL), vd_max(x, xL));
-    return vd_set(b->strength * b->R) * beside(b, nearest, m).F;
-  }
-  skf_vd s = vd_set(b->strength) * m * m;
-  return b->c3 > 0 ? s * (vd_set(b->c2) + vd_set(b->c3) * m) : s;
+/* Beside its line a segment's value is largest where the ray comes nearest to the line, along it nearest to the middle.
+ */
+SKF_INLINE skf_vd see_segment(const skf_blob *b, skf_vd x, skf_vd y, skf_vd z, skf_vd dx, skf_vd dy, skf_vd dz,
+                              skf_vd L, skf_way *w) {
+  skf_vd ax = vd_set(b->axis.x), ay = vd_set(b->axis.y), az = vd_set(b->axis.z), per = vd_set(b->per), zero = vd_set(0);
+  x -= vd_set(b->at.x), y -= vd_set(b->at.y), z -= vd_set(b->at.z);
+  skf_vd s = x * ax + y * ay + z * az, t = dx * ax + dy * ay + dz * az;
+  x -= s * ax, y -= s * ay, z -= s * az, dx -= t * ax, dy -= t * ay, dz -= t * az;
+  skf_vd ee = dx * dx + dy * dy + dz * dz, back = x * dx + y * dy + z * dz, per_R = vd_set(b->per_R);
+  w->m0 = vd_set(1) - (x * x + y * y + z * z) * per, w->m1 = vd_set(-2 * b->per) * back, w->m2 = ee * per;
+  w->x0 = s * per_R, w->x1 = t * per_R;
+  skf_vd u = clamped(-back / ee, zero, L), m = vd_max(w->m0 + u * (w->m1 - u * w->m2), zero);
+  if (!vi_any(m > zero)) return zero;
+  skf_vd from = w->x0, to = w->x0 + L * w->x1;
+  return vd_set(b->moment) * beside(b, clamped(vd_set(0.5 * b->span), vd_min(from, to), vd_max(from, to)), m).F;
 }
 
 /* The leaf's blobs along the lanes; returns those that are not outside all the way. */
@@ -83,8 +84,9 @@ SKF_INLINE unsigned look_along(const skf_packet *p, const skf_leaf *leaf, const 
     skf_vd L = to[v] - a, noise = vd_load(p->shift + at) * vd_set(leaf->slope) + vd_set(leaf->grain);
     skf_vd most = noise - vd_set(p->tracer->iso);
     for (uint32_t i = 0; i < leaf->count; i++) {
-      skf_way w = out->of[i][v] = way_of(leaf->blobs + i, x, y, z, dx, dy, dz);
-      most += way_most(leaf->blobs + i, &w, L);
+      const skf_blob *b = leaf->blobs + i;
+      skf_way *w = &out->of[i][v];
+      most += b->length > 0 ? see_segment(b, x, y, z, dx, dy, dz, L, w) : see_point(b, x, y, z, dx, dy, dz, L, w);
     }
     out->length[v] = L, out->noise[v] = noise + noise;
     bits |= (unsigned)vi_bits(~(most < vd_set(0))) << at;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Rays of a camera on bodies of many elements: nanoseconds a ray on one thread, what two threads gain, what silhouettes
    cost. It only reports.
-     bench_ray [SIZE [SCENE]]   SIZE x SIZE pixels of each scene
-     bench_ray --pov DIR        writes the scenes that POV-Ray can draw there; see povray.sh */
+     bench_ray [SIZE [SCENE [PICTURE]]]   SIZE x SIZE pixels of each scene; the share of pixels on which hits agree with
+                                          what is not black in the picture, a PPM of that size
+     bench_ray --pov DIR                  writes the scenes that POV-Ray can draw there; see povray.sh */
 #include "scenes.h"
 #include <omp.h>
 #include <stdio.h>
@@ -59,6 +60,37 @@ static double outline(const skf_tracer *t, const picture *p) {
   return ratio;
 }
 
+/* Skips comments in a PPM's head. */
+static int number(FILE *f) {
+  int n = -1, c;
+  while ((c = fgetc(f)) == '#' || c == '\n' || c == ' ')
+    if (c == '#')
+      while ((c = fgetc(f)) != '\n' && c != EOF) continue;
+  ungetc(c, f);
+  return fscanf(f, "%d", &n) == 1 ? n : -1;
+}
+
+static void compare_picture(const picture *p, const char *name) {
+  FILE *f = fopen(name, "rb");
+  if (!f) return perror(name);
+  char kind[3] = "";
+  bool good = fscanf(f, "%2s", kind) == 1 && !strcmp(kind, "P6") && number(f) == p->size && number(f) == p->size &&
+              number(f) == 255 && fgetc(f) != EOF;
+  size_t agree = 0, ours = 0, theirs = 0;
+  for (size_t i = 0; good && i < p->n; i++) {
+    int r = fgetc(f), g = fgetc(f), b = fgetc(f);
+    bool drawn = r > 0 || g > 0 || b > 0;
+    good = b != EOF;
+    agree += drawn == p->found[i], ours += p->found[i], theirs += drawn;
+  }
+  if (good)
+    printf("coverage agrees on %.3f %% of the pixels (%zu here, %zu there); ", 100 * (double)agree / (double)p->n, ours,
+           theirs);
+  else
+    fprintf(stderr, "%s: not a PPM of that size\n", name);
+  fclose(f);
+}
+
 static double two_threads(const skf_tracer *t, const picture *p) {
   double best[2] = {INFINITY, INFINITY};
   for (int run = 0; run < 2 * RUNS; run++) {
@@ -71,10 +103,11 @@ static double two_threads(const skf_tracer *t, const picture *p) {
   return best[0] / best[1];
 }
 
-static void report(const bench_scene *s, int size) {
+static void report(const bench_scene *s, int size, const char *other) {
   picture p = {.size = size, .n = (size_t)size * (size_t)size};
   size_t hit = 0;
   p.rays = malloc(p.n * sizeof *p.rays), p.hits = malloc(p.n * sizeof *p.hits), p.found = malloc(p.n);
+  if (p.hits && p.found) memset(p.hits, 1, p.n * sizeof *p.hits), memset(p.found, 1, p.n); /* no page is new */
   skf_field *f = NULL;
   skf_tracer *t = NULL;
   if (!p.rays || !p.hits || !p.found || skf_field_new(s->elements, s->count, &f)) exit(1);
@@ -101,6 +134,7 @@ static void report(const bench_scene *s, int size) {
          "%.2f evaluations a ray, %zu grazing; ",
          s->name, 1e3 * make, cold, warm, 1e9 * per * warm, 100 * per * (double)hit, per * (double)cost.cells,
          per * (double)cost.evaluations, cost.grazing);
+  if (other) compare_picture(&p, other);
   printf("outline / median %.2f, two threads %.2f\n", outline(t, &p), two_threads(t, &p));
   fflush(stdout);
   skf_tracer_free(t);
@@ -157,7 +191,7 @@ int main(int argc, char **argv) {
   for (int k = 0; k < BENCH_SCENES; k++) {
     bench_scene s = bench_scene_make(k, room, ROOM);
     if (argc > 2 && strcmp(argv[2], s.name)) continue;
-    report(&s, argc > 1 ? atoi(argv[1]) : 512);
+    report(&s, argc > 1 ? atoi(argv[1]) : 512, argc > 3 ? argv[3] : NULL);
   }
   return 0;
 }

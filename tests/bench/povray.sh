@@ -1,6 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# First hits beside POV-Ray's pictures of the same bodies, in one run, one thread each, user time:
+# First hits beside POV-Ray's pictures of the same bodies, in one run, one thread each, user time, and
+# on how many pixels they agree about what is covered:
 #   tests/bench/povray.sh build/tests/bench/bench_ray [SIZE]
 # POV-Ray's time is net of a picture of one pixel; it includes its simplest shading, ours none. inverse91 takes it
 # minutes and is left out unless ALL=1.
@@ -28,9 +29,11 @@ for name in flake91 flake820 flake7381 tree543 inverse10 inverse91; do
     start=$(pov "$name" 1)
     best=$(echo "$whole $start ${best:-1e9}" | awk '{ t = $1 - $2; print t < $3 ? t : $3 }')
   done
-  ours=$(OMP_NUM_THREADS=1 "$bench" "$size" "$name")
+  povray "+I$dir/$name.pov" "+W$size" "+H$size" +WT1 -A -D +FP "+O$dir/$name.ppm" -V -P >/dev/null 2>&1
+  ours=$(OMP_NUM_THREADS=1 "$bench" "$size" "$name" "$dir/$name.ppm")
   echo "$ours" | awk -v pov="$best" -v name="$name" '{
-    for (i = 1; i <= NF; i++) { if ($i == "frame") first = $(i + 1); if ($i == "then") warm = $(i + 1) }
-    printf "%-10s POV-Ray %7.3f s; ours %7.3f s on the first frame, %5.1fx; then %7.3f s, %5.1fx\n",
-           name, pov, first, pov / first, warm, pov / warm }'
+    for (i = 1; i <= NF; i++) { if ($i == "frame") first = $(i + 1); if ($i == "then") warm = $(i + 1)
+                                if ($i == "agrees") agree = $(i + 2) }
+    printf "%-10s POV-Ray %7.3f s; ours %7.3f s on the first frame, %5.1fx; then %7.3f s, %5.1fx; coverage agrees on %s %%\n",
+           name, pov, first, pov / first, warm, pov / warm, agree }'
 done
