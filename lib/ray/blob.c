@@ -21,6 +21,14 @@ skf_blob skf_blob_of(const skf_element *e) {
                     axis, length,      0.5 * R * R, 1 / R,  length / R, e->strength * R};
 }
 
+/* A segment's field is at most 16/15 strength R m^(5/2), that of an endless one, and strength length m^2. */
+double skf_blob_quiet(const skf_blob *b, double iso) {
+  if (!(iso > 0)) return 0;
+  double measure = b->length > 0 ? b->length : 1, square = sqrt(iso / (b->strength * measure));
+  double endless = b->length > 0 ? pow(0.9375 * iso / b->moment, 0.4) : 0;
+  return 0.999 * fmax(square, endless);
+}
+
 /* Beside a segment, at x along it and where m = 1 - h^2 / R^2; all lengths in units of R, without the strength. */
 static double beside(const skf_blob *b, double x, double length, double m) {
   if (!(m > 0)) return 0;

@@ -16,11 +16,15 @@ typedef struct skf_blob {
   skf_vec3 axis;                       /* unit */
   double length;                       /* 0: a point */
   double half_R2, per_R, span, moment; /* R^2 / 2, 1 / R, length / R, strength R */
+  double quiet;                        /* in a leaf of n blobs: up to this m its field is below iso / n */
 } skf_blob;
 
 /* per = 0 unless the element is a point or a segment without a profile, of the quartic kernel or the soft object, of
    positive strength, and products of its numbers keep their accuracy. */
 skf_blob skf_blob_of(const skf_element *e);
+
+/* Up to which m its field is below iso > 0; of n blobs this divided by sqrt(n) is safe for iso / n. */
+double skf_blob_quiet(const skf_blob *b, double iso);
 
 /* A cube, the distance of its corners from the center. */
 typedef struct skf_cube {

@@ -143,7 +143,8 @@ static int examine(const skf_octree *t, const skf_branch *in, int k, uint32_t *k
 
 static const skf_blob *gather(skf_octree *t, const uint32_t *list, uint32_t n) {
   skf_blob *b = take(t, n * sizeof *b);
-  for (uint32_t i = 0; b && i < n; i++) b[i] = t->blobs[list[i]];
+  double share = 1 / sqrt(n);
+  for (uint32_t i = 0; b && i < n; i++) b[i] = t->blobs[list[i]], b[i].quiet *= share;
   return b;
 }
 

@@ -23,7 +23,11 @@ SKF_INLINE skf_vd bend_from(const skf_leaf *leaf, const skf_ways *ways, int v, s
     skf_vd m = w->m0 + u * (w->m1 - u * w->m2), dm = w->m1 - (u + u) * w->m2, end = m + h * (dm - h * w->m2);
     skf_vd most = m + h * vd_max(dm, zero), least = vd_max(vd_min(m, end), zero), bound;
     if (b->length > 0) {
-      bound = vd_set(skf_blob_bend(b));
+      skf_vd y = vd_sqrt(vd_max(most, zero)), last = dm - (h + h) * w->m2;
+      skf_vd steep = vd_max(vd_abs(dm), vd_abs(last)) + two * y * vd_abs(w->x1), moment = vd_set(b->moment) * y;
+      skf_vd up = vd_set(4) * steep * steep, down = vd_set(16. / 3 * b->per) * y * y;
+      if (b->c3 > 0) up *= vd_set(b->c2) + vd_set(3 * b->c3), down *= vd_set(b->c2 + 1.5 * b->c3);
+      bound = vd_min(moment * vd_max(up, down), vd_set(skf_blob_bend(b)));
     } else {
       skf_vd D = dm * dm + four * w->m2 * m, six_m2 = six * w->m2, s = vd_set(b->strength);
       skf_vd up = two * (D - six_m2 * least), down = two * (six_m2 * most - D);
@@ -113,7 +117,8 @@ SKF_INLINE void follow(skf_packet *p, const skf_leaf *leaf, const skf_ways *ways
   enum { STEPS = 24 };
   unsigned busy = lanes;
   for (int v = 0; v < VECTORS; v++) {
-    c->u[v] = c->lo[v] = c->hi[v] = c->f[v] = vd_set(0), c->side[v] = sides_of(p, v), c->on[v] = lanes_on(lanes, v);
+    c->u[v] = quiet_until(leaf, ways, v), c->lo[v] = c->hi[v] = c->f[v] = vd_set(0), c->side[v] = sides_of(p, v),
+    c->on[v] = lanes_on(lanes, v);
     c->closing[v] = c->hit[v] = c->clear[v] = vi_set(0);
   }
   for (int i = 0; i < STEPS && busy; i++) {

@@ -94,6 +94,19 @@ SKF_INLINE unsigned look_along(const skf_packet *p, const skf_leaf *leaf, const 
   return bits & lanes;
 }
 
+/* Up to where no blob comes out of what leaves the sum below iso. */
+SKF_INLINE skf_vd quiet_until(const skf_leaf *leaf, const skf_ways *ways, int v) {
+  skf_vd zero = vd_set(0), first = ways->length[v];
+  for (uint32_t i = 0; i < leaf->count; i++) {
+    const skf_way *w = &ways->of[i][v];
+    skf_vd m0 = w->m0 - vd_set(leaf->blobs[i].quiet), D = w->m1 * w->m1 + vd_set(4) * w->m2 * m0;
+    skf_vi comes = (w->m1 > zero) & (D > zero), is = m0 >= zero;
+    skf_vd at = vd_set(-2) * m0 / (w->m1 + vd_sqrt(vd_max(D, zero)));
+    first = vd_select(is, zero, vd_select(comes, vd_min(first, at), first));
+  }
+  return first;
+}
+
 SKF_INLINE skf_vd sides_of(const skf_packet *p, int v) {
   double side[SKF_LANES];
   for (int k = 0; k < SKF_LANES; k++) {

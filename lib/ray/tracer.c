@@ -131,7 +131,10 @@ static skf_status fill(skf_tracer *t) {
   if ((s = add_sources(t, true, &first, &mixed)) || (s = add_sources(t, false, &first, &mixed))) return s;
   if (mixed && ((s = subfield(t->field, 1, &t->plus)) || (s = subfield(t->field, -1, &t->minus)))) return s;
   if (!(t->blobs = skf_alloc(t->n, sizeof *t->blobs))) return SKF_ERR_NOMEM;
-  for (size_t i = 0; i < t->n; i++) t->blobs[i] = skf_blob_of(&t->sources[i].element);
+  for (size_t i = 0; i < t->n; i++) {
+    t->blobs[i] = skf_blob_of(&t->sources[i].element);
+    if (t->blobs[i].per > 0) t->blobs[i].quiet = skf_blob_quiet(t->blobs + i, t->iso);
+  }
   s = find_region(t);
   /* the octree takes sources for elements: none may have been left out */
   if (s || t->reach != SKF_OK || t->linear || t->n != skf_field_size(t->field) || hides_signs(t)) return s;
