@@ -113,20 +113,19 @@ static void report(const bench_scene *s, int size, const char *other) {
   if (!p.rays || !p.hits || !p.found || skf_field_new(s->elements, s->count, &f)) exit(1);
   for (int y = 0; y < size; y++)
     for (int x = 0; x < size; x++) p.rays[y * size + x] = bench_ray(s, size, x, y);
-  double make = cpu(), cold = INFINITY, warm = INFINITY;
-  if (skf_tracer_new(f, s->iso, &t)) exit(1);
-  make = cpu() - make;
+  double make = INFINITY, cold = INFINITY, warm = INFINITY;
   skf_ray_report cost;
   omp_set_num_threads(1);
-  for (int run = 0; run < RUNS; run++) {
-    memset(&cost, 0, sizeof cost);
+  for (int run = 0; run < RUNS; run++) { /* with a tracer that has seen no rays, and again */
+    skf_tracer_free(t), t = NULL;
     double start = cpu();
+    if (skf_tracer_new(f, s->iso, &t)) exit(1);
+    double made = cpu();
+    skf_tracer_first_many(t, p.n, p.rays, p.hits, p.found, NULL);
+    double first = cpu();
+    memset(&cost, 0, sizeof cost);
     skf_tracer_first_many(t, p.n, p.rays, p.hits, p.found, &cost);
-    double took = cpu() - start;
-    if (run == 0)
-      cold = took;
-    else if (took < warm)
-      warm = took;
+    make = fmin(make, made - start), cold = fmin(cold, first - made), warm = fmin(warm, cpu() - first);
   }
   for (size_t i = 0; i < p.n; i++) hit += p.found[i];
   double per = 1 / (double)p.n;

@@ -70,8 +70,23 @@ static void check_first(const skf_tracer *t, const skf_ray *r, const skf_hit *h,
   sum->missed += n && (!found || first.t > h->t + 1e-9), sum->invented += found && (!n || first.t < h->t - 1e-9);
 }
 
-/* Three elements of one kernel; triangles only of those whose closed forms are quick. */
-static skf_field *scene(uint64_t *state, int kernel, double *iso) {
+/* An octahedron with axes of its own. */
+static skf_solid *octahedron(uint64_t *state) {
+  skf_vec3 c = rnd_vec(state, 0.7), axis[3], v[6];
+  unsigned f[8][3];
+  axis[0] = rnd_unit(state), axis[1] = v3_perp(axis[0]), axis[2] = v3_cross(axis[0], axis[1]);
+  for (int k = 0; k < 6; k++) v[k] = v3_mad(c, (k & 1 ? -1 : 1) * rnd(state, 0.2, 0.6), axis[k / 2]);
+  for (unsigned k = 0; k < 8; k++) {
+    unsigned x = k & 1, y = 2 + (k >> 1 & 1), z = 4 + (k >> 2), odd = (k ^ k >> 1 ^ k >> 2) & 1;
+    f[k][0] = x, f[k][1] = odd ? z : y, f[k][2] = odd ? y : z;
+  }
+  skf_solid *s;
+  if (skf_solid_new(v, 6, (const unsigned(*)[3])f, 8, &s, NULL)) exit(1);
+  return s;
+}
+
+/* Three elements of one kernel; triangles only of those whose closed forms are quick. *solid: the caller frees it. */
+static skf_field *scene(uint64_t *state, int kernel, double *iso, skf_solid **solid) {
   skf_element e[ELEMENTS];
   bool compact = skf_kernel_get((skf_kernel_type)kernel)->compact;
   for (int i = 0; i < ELEMENTS; i++) {
@@ -83,6 +98,8 @@ static skf_field *scene(uint64_t *state, int kernel, double *iso) {
     rnd_primitive(state, shape, 1, &e[i].primitive);
   }
   skf_field *f = NULL;
+  *solid = kernel == SKF_INVERSE && rnd(state, 0, 1) < 0.5 ? octahedron(state) : NULL;
+  if (*solid) e[1].primitive = (skf_primitive){.shape = SKF_SOLID, .solid = *solid}, e[1].strength *= 10;
   if (skf_field_new(e, ELEMENTS, &f)) exit(1);
   skf_vec3 near = v3_mad(skf_primitive_point(&e->primitive, 0.4, 0.3), rnd(state, 0.1, 0.5), rnd_unit(state));
   *iso = skf_field_at(f, near, NULL);
@@ -95,10 +112,12 @@ int main(int argc, char **argv) {
   uint64_t state = 2026;
   for (int kernel = 0; sum.rays < total; kernel = (kernel + 1) % SKF_KERNEL_COUNT) {
     double iso;
-    skf_field *f = scene(&state, kernel, &iso);
+    skf_solid *solid;
+    skf_field *f = scene(&state, kernel, &iso, &solid);
     skf_tracer *t = NULL;
     if (!(iso > 1e-6) || skf_tracer_new(f, iso, &t)) {
       skf_field_free(f);
+      skf_solid_free(solid);
       continue;
     }
     skf_ray_report report = {0};
@@ -118,6 +137,7 @@ int main(int argc, char **argv) {
     sum.grazing += report.grazing;
     skf_tracer_free(t);
     skf_field_free(f);
+    skf_solid_free(solid);
   }
   printf("%zu rays, %zu hits: %zu missed, %zu invented, %zu off by more than 1e-9, %zu grazing, %zu not answered\n",
          sum.rays, sum.hits, sum.missed, sum.invented, sum.off, sum.grazing, sum.refused);
