@@ -31,7 +31,7 @@ SKF_INLINE skf_vd see_point(const skf_blob *b, skf_vd x, skf_vd y, skf_vd z, skf
   return b->c3 > 0 ? s * (vd_set(b->c2) + vd_set(b->c3) * m) : s;
 }
 
-/* int (m - t^2)^2 dt and its derivative by m over 2, of t from 0; with c3 those of (m - t^2)^3 */
+/* Integrals of (m - t^2)^2 and (m - t^2)^3 from 0 to t; tt = t^2 */
 SKF_INLINE skf_vd squares(skf_vd m, skf_vd t, skf_vd tt) {
   return t * (m * m - tt * (vd_set(2. / 3) * m - vd_set(0.2) * tt));
 }
@@ -43,7 +43,7 @@ typedef struct skf_beside {
   skf_vd F, by_m, by_x;
 } skf_beside;
 
-/* A segment's field at x along it and at m >= 0, in units of R and of its strength. */
+/* A segment's field at x along it and at m >= 0, in units of R and of its strength, and its derivatives by m and x. */
 SKF_INLINE skf_beside beside(const skf_blob *b, skf_vd x, skf_vd m) {
   skf_vd y = vd_sqrt(m), L = vd_set(b->span), c2 = vd_set(b->c2), c3 = vd_set(b->c3), three = vd_set(3);
   skf_vd lo = vd_min(vd_max(-x, -y), y), hi = vd_max(vd_min(L - x, y), -y), ll = lo * lo, hh = hi * hi;
@@ -94,7 +94,7 @@ SKF_INLINE unsigned look_along(const skf_packet *p, const skf_leaf *leaf, const 
   return bits & lanes;
 }
 
-/* Up to where no blob comes out of what leaves the sum below iso. */
+/* How far each blob of n is certainly below iso / n. */
 SKF_INLINE skf_vd quiet_until(const skf_leaf *leaf, const skf_ways *ways, int v) {
   skf_vd zero = vd_set(0), first = ways->length[v];
   for (uint32_t i = 0; i < leaf->count; i++) {
