@@ -258,6 +258,38 @@ static void eval_solids(const skf_field *f, size_t n, const double *const p[3], 
   for (size_t from = 0; from < n; from += step) add_solids(f, from, n - from < step ? n - from : step, p, out);
 }
 
+bool skf_field_is_direct(const skf_field *f) { return f->plain == f->n && f->far_count == 0; }
+
+static void sum_serially(const skf_batch *b, size_t n, const double *const p[3], double *const out[4]) {
+  skf_batch_sum parts;
+  for (size_t from = 0, m; from < n; from += m) {
+    m = n - from < SKF_BATCH ? n - from : SKF_BATCH;
+    const double *const at[3] = {p[0] + from, p[1] + from, p[2] + from};
+    skf_batch_add(b, m, m, at, &parts, true);
+    for (int k = 0; k < 4; k++)
+      if (out[k]) b->ops->total(m, &parts, k, out[k] + from);
+  }
+}
+
+void skf_field_serial(const skf_field *f, size_t n, const double *const p[3], double *const out[4]) {
+  sum_serially(&f->batch, n, p, out);
+}
+
+skf_status skf_field_some_many(const skf_field *f, const uint32_t *which, size_t n, size_t points,
+                               const double *const p[3], double *F) {
+  skf_prepared *e = skf_alloc(n, sizeof *e);
+  skf_batch b;
+  if (!e) return SKF_ERR_NOMEM;
+  for (size_t i = 0; i < n; i++) e[i] = f->prepared[which[i]];
+  skf_status s = skf_batch_new(f->batch.ops, e, n, &b);
+  if (!s) {
+    sum_serially(&b, points, p, (double *const[4]){F, NULL, NULL, NULL});
+    skf_batch_free(&b);
+  }
+  skf_free(e);
+  return s;
+}
+
 void skf_field_point(const skf_field *f, const skf_vec3 *p, double out[4]) {
   if (f->lone) return f->lone(f->batch.tile, p, out);
   if (f->plain == f->n && f->far_count == 0) return skf_batch_at(&f->batch, *p, false, out);

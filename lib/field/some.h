@@ -13,6 +13,16 @@ const skf_prepared *skf_field_prepared(const skf_field *field);
    that of n additions. */
 double skf_field_some(const skf_field *field, const uint32_t *which, size_t n, skf_vec3 p, skf_vec3 *g, double *size);
 
+/* Many points at once on the calling thread, of fields without solids and far sums; `points` is a multiple of
+   SKF_SOME_PAD, outputs may be NULL. What comes out at a point depends on this point alone. */
+enum { SKF_SOME_PAD = 8 };
+bool skf_field_is_direct(const skf_field *field);
+/* All elements, with the bits of skf_field_eval. */
+void skf_field_serial(const skf_field *field, size_t points, const double *const p[3], double *const out[4]);
+/* The value of n elements; allocates. */
+skf_status skf_field_some_many(const skf_field *field, const uint32_t *which, size_t n, size_t points,
+                               const double *const p[3], double *F);
+
 /* F and the gradient at one point, out[0] and out[1..3], with the bits of skf_field_eval; for callers that have one
    point at a time, and no time: a sum of up to eight elements of one form costs little more than its formula. */
 void skf_field_point(const skf_field *field, const skf_vec3 *p, double out[4]);

@@ -29,7 +29,8 @@ struct skf_octree {
   const skf_source *sources;
   const skf_blob *blobs;
   double iso, noise;
-  skf_branch *all; /* whose child 0 is the cube */
+  skf_smooth *smooth; /* or NULL: then cells are examined by the elements' bounds alone */
+  skf_branch *all;    /* whose child 0 is the cube */
   block *memory;
   omp_lock_t lock;
 };
@@ -129,7 +130,8 @@ static int examine(const skf_octree *t, const skf_branch *in, int k, uint32_t *k
   if (o.blobs && in->half > COARSE * o.least && !last) return SKF_CELL_BRANCH;
   look_closer(t, &c, kept, *keep, &o);
   leaf->slope = o.of.slope, leaf->bend = o.of.bend, leaf->fourth = o.of.fourth;
-  leaf->soft = o.soft, leaf->segments = o.segments, leaf->grain = o.grain + 4 * DBL_EPSILON * fabs(t->iso);
+  leaf->patch = NULL, leaf->soft = o.soft, leaf->segments = o.segments,
+  leaf->grain = o.grain + 4 * DBL_EPSILON * fabs(t->iso);
   if (o.blobs && *keep <= SKF_LEAF_BLOBS) return SKF_CELL_BLOBS;
   leaf->f = skf_field_some(t->field, kept, *keep, c.center, &leaf->g, &made_of) - t->iso;
   double grip = fabs(leaf->g.x) + fabs(leaf->g.y) + fabs(leaf->g.z);
@@ -171,7 +173,70 @@ static skf_cell make(skf_octree *t, int kind, const skf_branch *in, const uint32
   return (skf_cell)what + (skf_cell)kind;
 }
 
+/* What the powers of a patch tell without the rays. */
+static void set_shape(const skf_patch *p, skf_leaf *l) {
+  const double *c = p->c;
+  l->patch = p, l->f = c[0], l->flat = 0, l->slope = 0, l->bend = 0;
+  for (int i = 0; i <= SKF_DEGREE; i++)
+    for (int j = 0; i + j <= SKF_DEGREE; j++)
+      for (int m = 0; i + j + m <= SKF_DEGREE; m++, c++) {
+        int n = i + j + m;
+        double size = fabs(*c) * p->per;
+        if (n == 1) *(i ? &l->g.x : j ? &l->g.y : &l->g.z) = *c * p->per;
+        if (n > 1) l->flat += fabs(*c);
+        l->slope += n * size, l->bend += n * (n - 1) * size * p->per;
+      }
+  l->flat += p->off.value, l->slope += p->off.slope, l->bend += p->off.bend;
+  l->fourth = p->off.fourth, l->slope = l->slope < INFINITY ? l->slope : INFINITY;
+}
+
+static skf_cell make_smooth(skf_octree *t, skf_smooth_kind kind, const skf_branch *in, const skf_smooth_cell *cell,
+                            const skf_patch *patch, const skf_model *model, const uint32_t *kept, uint32_t keep) {
+  if (kind == SKF_SMOOTH_LOST) return 0;
+  if (kind < SKF_SMOOTH_BARE) return kind == SKF_SMOOTH_OUTSIDE ? SKF_CELL_OUTSIDE : SKF_CELL_INSIDE;
+  if (kind == SKF_SMOOTH_BRANCH) {
+    skf_branch *b = take(t, sizeof *b);
+    skf_far_part *far = take(t, sizeof *far + keep * sizeof *kept);
+    if (!b || !far) return 0;
+    far->model = *model, far->count = keep;
+    memcpy(far->list, kept, keep * sizeof *kept);
+    b->middle = cell->center, b->half = 0.5 * in->half, b->level = in->level + 1;
+    b->list = in->list, b->count = in->count, b->far = far;
+    return (skf_cell)b + SKF_CELL_BRANCH;
+  }
+  skf_leaf *l = take(t, sizeof *l);
+  skf_patch *own = kind == SKF_SMOOTH_LEAF ? take(t, sizeof *own) : NULL;
+  if (!l || (kind == SKF_SMOOTH_LEAF && !own)) return 0;
+  *l = (skf_leaf){.center = cell->center, .flat = INFINITY, .slope = INFINITY, .bend = INFINITY, .fourth = INFINITY};
+  l->list = in->list, l->count = in->count;
+  if (own) *own = *patch, set_shape(own, l);
+  return (skf_cell)l + SKF_CELL_LEAF;
+}
+
+static skf_cell explore_smooth(skf_octree *t, skf_branch *in, int k) {
+  double half = 0.5 * in->half;
+  skf_smooth_cell cell = {v3(in->middle.x + (k & 1 ? half : -half), in->middle.y + (k & 2 ? half : -half),
+                             in->middle.z + (k & 4 ? half : -half)),
+                          half * (1 + SLACK), k, in->level == LEVELS};
+  uint32_t *kept = skf_alloc(in->far->count, sizeof *kept), keep = 0;
+  skf_patch patch;
+  skf_model model;
+  if (!kept) return 0;
+  skf_smooth_kind kind = skf_smooth_examine(t->smooth, &cell, in->far, &patch, &model, kept, &keep);
+  omp_set_lock(&t->lock);
+  skf_cell c = atomic_load_explicit(in->child + k, memory_order_relaxed);
+  if (!c) {
+    c = make_smooth(t, kind, in, &cell, &patch, &model, kept, keep);
+    atomic_store_explicit(in->child + k, c, memory_order_release);
+    if (c == SKF_CELL_OUTSIDE) atomic_fetch_or_explicit(&in->outside, 1u << k, memory_order_relaxed);
+  }
+  omp_unset_lock(&t->lock);
+  skf_free(kept);
+  return c;
+}
+
 skf_cell skf_octree_explore(skf_octree *t, skf_branch *in, int k) {
+  if (t->smooth) return explore_smooth(t, in, k);
   enum { FEW = 256 };
   uint32_t few[FEW], *kept = few, keep;
   if (in->count > FEW && !(kept = skf_alloc(in->count, sizeof *kept))) return 0;
@@ -194,7 +259,29 @@ skf_branch *skf_octree_top(const skf_octree *t) { return t->all; }
 
 int skf_octree_beyond(const skf_octree *t) { return t->iso < 0 ? 1 : -1; }
 
+const skf_chebyshev *skf_octree_table(const skf_octree *t) { return &t->smooth->table; }
+
 double skf_octree_least(const skf_octree *t) { return t->all->half / (1 << LEVELS); }
+
+static bool is_smooth(const skf_octree *t, size_t n) {
+  bool smooth = skf_field_is_direct(t->field);
+  for (size_t i = 0; i < n && smooth; i++) smooth = skf_source_is_smooth(t->sources + i);
+  return smooth;
+}
+
+/* The top's part: no polynomial, all elements. */
+static bool open_smooth(skf_octree *t, size_t n) {
+  skf_far_part *far = take(t, sizeof *far + n * sizeof *far->list);
+  skf_smooth *s = take(t, sizeof *s);
+  if (!far || !s) return false;
+  memset(&far->model, 0, sizeof far->model);
+  far->count = (uint32_t)n;
+  memcpy(far->list, t->all->list, n * sizeof *far->list);
+  *s = (skf_smooth){.field = t->field, .sources = t->sources, .iso = t->iso, .noise = t->noise};
+  skf_chebyshev_init(&s->table, SLACK);
+  t->smooth = s, t->all->far = far;
+  return true;
+}
 
 skf_status skf_octree_new(const skf_field *field, const skf_source *sources, const skf_blob *blobs, size_t n,
                           double iso, double noise, skf_box region, skf_octree **out) {
@@ -211,6 +298,7 @@ skf_status skf_octree_new(const skf_field *field, const skf_source *sources, con
   for (size_t i = 0; i < n; i++) all[i] = (uint32_t)i;
   t->all->list = all, t->all->count = (uint32_t)n;
   t->all->half = size, t->all->middle = v3_mad(box_center(region), 0.5 * size, v3(1, 1, 1));
+  if (is_smooth(t, n) && !open_smooth(t, n)) return skf_octree_free(t), SKF_ERR_NOMEM;
   return *out = t, SKF_OK;
 }
 

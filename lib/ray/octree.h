@@ -7,7 +7,7 @@
 #define SKF_RAY_OCTREE_H
 
 #include "ray/blob.h"
-#include "ray/source.h"
+#include "ray/smooth.h"
 #include <stdatomic.h>
 #include <stdint.h>
 
@@ -22,9 +22,10 @@ typedef struct skf_leaf {
   double slope, bend, fourth;
   const uint32_t *list; /* the elements in reach */
   uint32_t count;
-  bool soft, segments;   /* a blob has c3; one is a segment */
-  const skf_blob *blobs; /* the same elements, or NULL where one of them is none */
-  double grain;          /* by which rounding may change F along a ray, but for the rounding of places */
+  bool soft, segments;    /* a blob has c3; one is a segment */
+  const skf_blob *blobs;  /* the same elements, or NULL where one of them is none */
+  const skf_patch *patch; /* or NULL */
+  double grain;           /* by which rounding may change F along a ray, but for the rounding of places */
 } skf_leaf;
 
 typedef struct skf_octree skf_octree;
@@ -48,6 +49,7 @@ typedef struct skf_branch {
   const uint32_t *list;
   uint32_t count;
   int level;
+  const skf_far_part *far; /* of smooth fields */
 } skf_branch;
 
 static inline bool skf_cell_is_leaf(skf_cell c) {
@@ -76,6 +78,9 @@ bool skf_octree_add(const skf_octree *tree, uint32_t i, skf_vec3 c, double radiu
 
 /* -1 or 1: beyond the cube everything is outside, or inside, of the surface. */
 int skf_octree_beyond(const skf_octree *tree);
+
+/* Of smooth fields. */
+const skf_chebyshev *skf_octree_table(const skf_octree *tree);
 
 /* Edge of the smallest cells. */
 double skf_octree_least(const skf_octree *tree);

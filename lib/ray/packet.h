@@ -9,9 +9,12 @@
 enum { SKF_PACKET = 8 };
 
 /* Where the answer to a question about first crossings goes. */
+typedef struct skf_waiting skf_waiting;
 typedef struct skf_answer {
   skf_hit *hit; /* NULL: only whether there is one */
   bool *found;
+  skf_waiting *waiting; /* room for what is to be polished together, and how much is in it */
+  size_t *waits;
 } skf_answer;
 
 /* Rays whose directions have the same signs. Lanes that are not `alive` are finished or were never there. */
@@ -54,6 +57,11 @@ void skf_packet_walk(skf_packet *p, int lane, const skf_leaf *leaf, double a, do
 /* Hands out a crossing between two places in a leaf. */
 void skf_packet_found(skf_packet *p, int lane, const skf_leaf *leaf, const skf_knot *a, const skf_knot *b,
                       double guess);
+
+/* One lane through [a, b] of a leaf with a patch: the patch's Bernstein coefficients along it, and how far F - iso may
+   be from them. */
+void skf_packet_patch(skf_packet *p, int lane, const skf_leaf *leaf, double a, double b, const double c[SKF_DEGREE + 1],
+                      double off);
 
 /* One lane through [a, b] of a leaf of blobs. */
 void skf_packet_blobs(skf_packet *p, int lane, const skf_leaf *leaf, double a, double b);

@@ -2,6 +2,7 @@
 /* Queries: rays made ready, those that can go through the octree side by side, what is met handed out. */
 #include "core/alloc.h"
 #include "core/vec3.h"
+#include "field/some.h"
 #include "ray/packet.h"
 #include <float.h>
 
@@ -222,9 +223,13 @@ static skf_status end(const question *q, skf_status s, skf_ray_report *report) {
   return s;
 }
 
+static skf_hit hit_of(const skf_knot *k, bool entering) {
+  return (skf_hit){k->t, k->at, unit(v3_sub(v3(0, 0, 0), k->gradient)), entering};
+}
+
 static skf_hit hit_at(skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
   skf_knot k = skf_walk_polish(w, a, b, guess);
-  return (skf_hit){k.t, k.at, unit(v3_sub(v3(0, 0, 0), k.gradient)), b->f > a->f};
+  return hit_of(&k, b->f > a->f);
 }
 
 typedef struct collector {
@@ -302,9 +307,25 @@ skf_status skf_tracer_spans(const skf_tracer *tracer, const skf_ray *ray, size_t
   return end(&q, s, report);
 }
 
+/* A first crossing that waits for the field at its guess; t: the next one. */
+struct skf_waiting {
+  skf_hit *hit;
+  skf_walk walk;
+  skf_bow bow;
+  skf_knot a, b;
+  double guess, t;
+};
+
 static bool take_first(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
   skf_answer *c = user;
-  *c->hit = hit_at(w, a, b, guess), *c->found = true;
+  *c->found = true;
+  if (!w->bow) {
+    *c->hit = hit_at(w, a, b, guess);
+    return false;
+  }
+  skf_waiting *wait = c->waiting + (*c->waits)++;
+  wait->hit = c->hit, wait->bow = *w->bow, wait->a = *a, wait->b = *b, wait->guess = wait->t = guess;
+  wait->walk = (skf_walk){.tracer = w->tracer, .origin = w->origin, .direction = w->direction, .leaf = w->leaf};
   return false;
 }
 
@@ -314,12 +335,71 @@ static bool stop(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, 
   return false;
 }
 
+/* Rays for a thread at a time: it changes no result. */
+enum { SHARE = 64 };
+
+/* The field at the guesses of n <= SHARE crossings, all at once where that is possible. */
+static void look_all(skf_waiting *const *wait, size_t n, skf_knot *k) {
+  double at[3][SHARE], out[4][SHARE];
+  size_t m = 0, which[SHARE];
+  for (size_t i = 0; i < n; i++) {
+    skf_walk *w = &wait[i]->walk;
+    if (w->tracer->plus || w->leaf->count < w->tracer->n) {
+      skf_walk_look(w, wait[i]->t, k + i);
+      continue;
+    }
+    skf_vec3 p = v3_mad(w->origin, wait[i]->t, w->direction);
+    at[0][m] = p.x, at[1][m] = p.y, at[2][m] = p.z, which[m++] = i;
+  }
+  if (!m) return;
+  size_t padded = (m + SKF_SOME_PAD - 1) / SKF_SOME_PAD * SKF_SOME_PAD;
+  for (int c = 0; c < 3; c++)
+    for (size_t i = m; i < padded; i++) at[c][i] = at[c][m - 1];
+  const double *const p[3] = {at[0], at[1], at[2]};
+  double *const F[4] = {out[0], out[1], out[2], out[3]};
+  skf_field_serial(wait[0]->walk.tracer->field, padded, p, F);
+  for (size_t i = 0; i < m; i++) {
+    skf_waiting *w = wait[which[i]];
+    w->walk.report.evaluations++;
+    k[which[i]] = skf_walk_knot(&w->walk, w->t, (const double[4]){out[0][i], out[1][i], out[2][i], out[3][i]});
+  }
+}
+
+/* n <= SHARE; round after round with those that are not good enough yet */
+static void settle_all(question *q, size_t n, skf_waiting *all) {
+  skf_waiting *wait[SHARE];
+  size_t left = n;
+  for (size_t i = 0; i < n; i++) wait[i] = all + i, all[i].walk.bow = &all[i].bow;
+  for (int round = 0; round < 3 && left; round++) {
+    skf_knot k[SHARE], root;
+    size_t still = 0;
+    look_all(wait, left, k);
+    for (size_t i = 0; i < left; i++) {
+      skf_waiting *w = wait[i];
+      if (skf_walk_settle(&w->walk, w->guess, k + i, &root))
+        *w->hit = hit_of(&root, w->b.f > w->a.f);
+      else
+        w->t = root.t, wait[still++] = w;
+    }
+    left = still;
+  }
+  for (size_t i = 0; i < left; i++) {
+    skf_waiting *w = wait[i];
+    w->walk.bow = NULL;
+    *w->hit = hit_at(&w->walk, &w->a, &w->b, w->guess);
+  }
+  for (size_t i = 0; i < n; i++) add_report(&q->report, &all[i].walk.report);
+}
+
 skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray, skf_hit *hit, bool *found,
                             skf_ray_report *report) {
   question q = {.tracer = tracer, .found = take_first, .first = true, .exact = true};
   int last;
+  skf_waiting waiting;
+  size_t waits = 0;
   *found = false;
-  skf_status s = ask(&q, ray, &(skf_answer){hit, found}, &last);
+  skf_status s = ask(&q, ray, &(skf_answer){hit, found, &waiting, &waits}, &last);
+  settle_all(&q, waits, &waiting);
   return end(&q, s, report);
 }
 
@@ -327,18 +407,20 @@ skf_status skf_tracer_occluded(const skf_tracer *tracer, const skf_ray *ray, boo
   question q = {.tracer = tracer, .found = stop, .first = true};
   int last;
   *occluded = false;
-  skf_status s = ask(&q, ray, &(skf_answer){NULL, occluded}, &last);
+  skf_status s = ask(&q, ray, &(skf_answer){.found = occluded}, &last);
   return end(&q, s, report);
 }
-
-/* Rays for a thread at a time: it changes no result. */
-enum { SHARE = 64 };
 
 /* n <= SHARE; hits may be NULL */
 static skf_status answer_share(question *q, size_t n, const skf_ray *rays, skf_hit *hits, bool *found) {
   skf_answer a[SHARE];
-  for (size_t i = 0; i < n; i++) found[i] = false, a[i] = (skf_answer){hits ? hits + i : NULL, found + i};
-  return ask_many(q, n, rays, a);
+  skf_waiting waiting[SHARE];
+  size_t waits = 0;
+  for (size_t i = 0; i < n; i++)
+    found[i] = false, a[i] = (skf_answer){hits ? hits + i : NULL, found + i, waiting, &waits};
+  skf_status s = ask_many(q, n, rays, a);
+  settle_all(q, waits, waiting);
+  return s;
 }
 
 static skf_status answer_all(const question *kind, size_t n, const skf_ray *rays, skf_hit *hits, bool *found,

@@ -8,6 +8,7 @@
 #include "core/vec3.h"
 #include "field/some.h"
 #include "ray/cubic.h"
+#include "ray/patch.h"
 #include <float.h>
 
 enum { DEPTH = 128 };
@@ -25,6 +26,18 @@ static void add_linear(const skf_walk *w, skf_vec3 p, double *F, double *size, s
   }
 }
 
+static skf_knot knot_of(const skf_walk *w, double t, skf_vec3 p, double F, double size, skf_vec3 g, double noise) {
+  double moved = 4 * DBL_EPSILON * (largest(p) + largest(w->origin)) * v3_norm(g);
+  size += fabs(w->tracer->iso);
+  return (skf_knot){
+      t, F - w->tracer->iso, v3_dot(g, w->direction), size, isfinite(F) ? noise * size + moved : 0, p, g, true};
+}
+
+skf_knot skf_walk_knot(const skf_walk *w, double t, const double out[4]) {
+  skf_vec3 p = v3_mad(w->origin, t, w->direction);
+  return knot_of(w, t, p, out[0], fabs(out[0]), v3(out[1], out[2], out[3]), 2 * w->tracer->noise);
+}
+
 void skf_walk_look(skf_walk *w, double t, skf_knot *k) {
   const skf_tracer *tr = w->tracer;
   skf_vec3 p = v3_mad(w->origin, t, w->direction), g;
@@ -35,6 +48,10 @@ void skf_walk_look(skf_walk *w, double t, skf_knot *k) {
   } else if (w->leaf && (w->leaf->blobs || w->leaf->count < tr->n)) {
     F = skf_field_some(tr->field, w->leaf->list, w->leaf->count, p, &g, &size);
     noise += 0.5 * DBL_EPSILON * w->leaf->count;
+  } else if (!tr->plus && w->leaf && w->leaf->patch) { /* as many points at once give it */
+    double out[4];
+    skf_field_point(tr->field, &p, out);
+    F = out[0], g = v3(out[1], out[2], out[3]), size = fabs(F);
   } else if (!tr->plus) {
     F = skf_field_at(tr->field, p, &g);
     size = fabs(F);
@@ -46,9 +63,7 @@ void skf_walk_look(skf_walk *w, double t, skf_knot *k) {
     add_linear(w, p, &F, &size, &g);
   }
   w->report.evaluations++;
-  size += fabs(tr->iso);
-  double moved = 4 * DBL_EPSILON * (largest(p) + largest(w->origin)) * v3_norm(g);
-  *k = (skf_knot){t, F - tr->iso, v3_dot(g, w->direction), size, isfinite(F) ? noise * size + moved : 0, p, g, true};
+  *k = knot_of(w, t, p, F, size, g, noise);
 }
 
 typedef struct cell {
@@ -172,7 +187,42 @@ static double inverse_step(const skf_knot *p, const skf_knot *q) {
   return r * r * (1 + 2 * s) * p->t + s * s * (1 + 2 * r) * q->t + h * s * r * (r / p->slope - s / q->slope);
 }
 
+/* How exact normals have to be. Few elements are summed once more for it. */
+enum { FEW = 32 };
+#define STRAIGHT        1e-14
+#define NEARLY_STRAIGHT 1e-8
+
+/* What the field at the guess leaves of the model's error is of second order: f + slope s + the model's higher terms,
+   off by at most s^2 / 2 times what the second derivative is off by. From a second guess on, by all that it can be. */
+bool skf_walk_settle(const skf_walk *w, double guess, const skf_knot *k, skf_knot *root) {
+  const skf_bow *b = w->bow;
+  bool again = k->t != guess;
+  double grain = DBL_EPSILON * largest(k->at), s = -k->f / k->slope, slope = k->slope;
+  for (int i = 0; i < 3 && !again; i++) {
+    double f = 0;
+    slope = 0;
+    for (int n = SKF_DEGREE - 2; n >= 0; n--) slope = slope * s + (n + 2) * b->c[n], f = f * s + b->c[n];
+    f = k->f + s * (k->slope + s * f), slope = k->slope + s * slope;
+    s -= f / slope;
+  }
+  double error = 0.5 * (again ? w->leaf->bend : b->off) * s * s;
+  bool near = fabs(s) <= 4 * grain, good = error <= 2 * DBL_EPSILON * k->size || error <= 2 * grain * fabs(k->slope);
+  *root = *k;
+  root->t = k->t + s, root->at = v3_mad(w->origin, root->t, w->direction);
+  if (near || !good) return near;
+  double steep = v3_norm(k->gradient), exact = w->tracer->n <= FEW ? STRAIGHT : NEARLY_STRAIGHT;
+  if (fabs(s) * w->leaf->bend <= exact * steep) return true;
+  if (!(fabs(s) * b->off <= exact * steep)) return false;
+  root->gradient = v3_add(k->gradient, skf_patch_turn(w->leaf, k->at, root->at));
+  return true;
+}
+
 skf_knot skf_walk_polish(skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
+  skf_knot at, root = {.t = guess};
+  for (int i = 0; w->bow && i < 3; i++) {
+    skf_walk_look(w, root.t, &at);
+    if (skf_walk_settle(w, guess, &at, &root)) return root;
+  }
   skf_knot lo = *a, hi = *b, best = fabs(a->f) < fabs(b->f) ? *a : *b, old = best, k;
   if ((lo.f > 0) == (hi.f > 0)) return best; /* an end within rounding of the surface */
   double x = guess, grain = DBL_EPSILON * largest(v3_mad(w->origin, guess, w->direction));

@@ -31,12 +31,19 @@ typedef struct skf_knot {
   bool known; /* else only t is set */
 } skf_knot;
 
+/* The model of a leaf along a ray around a root of it: derivatives by n!, from the second on, and how far the field's
+   second one may be from the model's. */
+typedef struct skf_bow {
+  double c[SKF_DEGREE - 1], off;
+} skf_bow;
+
 typedef struct skf_walk {
   const skf_tracer *tracer;
   skf_vec3 origin, direction; /* unit */
   int last;                   /* sign of f just before the current cell; 0: the ray starts on the surface */
   const double *side;         /* of the linear planes on this piece: +1 or -1 */
   const skf_leaf *leaf;       /* the cell of the octree that the walk is in, whose bounds hold; or NULL */
+  const skf_bow *bow;         /* of a crossing that a model has found, at the guess; or NULL */
   skf_ray_report report;
 } skf_walk;
 
@@ -47,6 +54,12 @@ typedef bool skf_crossing_fn(void *user, skf_walk *w, const skf_knot *a, const s
 bool skf_walk_piece(skf_walk *w, skf_knot *a, double b, skf_crossing_fn *found, void *user);
 
 void skf_walk_look(skf_walk *w, double t, skf_knot *out);
+
+/* The knot at t, from F there and its gradient, out[0] and out[1..3], of a field without mixed signs. */
+skf_knot skf_walk_knot(const skf_walk *w, double t, const double out[4]);
+
+/* The root beside k, by the bow at the guess; false: that is not certified to be good enough, but a better guess. */
+bool skf_walk_settle(const skf_walk *w, double guess, const skf_knot *k, skf_knot *root);
 
 /* The root between two knots to rounding: |f| <= 2 eps size, or nothing better in the coordinates' precision. */
 skf_knot skf_walk_polish(skf_walk *w, const skf_knot *a, const skf_knot *b, double guess);

@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: MIT */
+/* Interpolation at Chebyshev's nodes. Along one axis the k-th derivative of f - If is at most
+   max |w^(k)| max |f^(n)| / n!, w = the product of the distances from the n nodes [Shadrin 1995]. With E = 1 - I along
+   each axis, what three axes are off by is Ex + Ey + Ez - Ex Ey - Ey Ez - Ez Ex + Ex Ey Ez. Derivatives along several
+   axes are at most those of the same order along some line [Banach 1938], and f^(n) / n! along a line is a Taylor
+   coefficient: 1 / (1 - 2 x t + t^2)^l has those of Gegenbauer, |C_n| <= binomial(n + 2 l - 1, n). */
+#include "ray/model.h"
+#include "core/vec3.h"
+#include <float.h>
+#include <string.h>
+
+enum { N = SKF_NODES };
+
+static void polynomials(double x, double T[N]) {
+  T[0] = 1, T[1] = x;
+  for (int i = 2; i < N; i++) T[i] = 2 * x * T[i - 1] - T[i - 2];
+}
+
+static void transform(const skf_chebyshev *t, const double values[N], double c[N]) {
+  for (int i = 0; i < N; i++) {
+    c[i] = 0;
+    for (int p = 0; p < N; p++) c[i] += t->forward[i][p] * values[p];
+  }
+}
+
+/* binomial(n + k, k) */
+static double choose(int n, int k) {
+  double b = 1;
+  for (int i = 1; i <= k; i++) b = b * (n + i) / i;
+  return b;
+}
+
+static double power(double x, int n) {
+  double y = 1;
+  for (int i = 0; i < n; i++) y *= x;
+  return y;
+}
+
+/* The inverse of Bernstein's polynomials at the places, by elimination: a well-conditioned matrix. */
+static void along_rays(skf_chebyshev *t) {
+  enum { D = SKF_DEGREE };
+  double a[D + 1][2 * D + 2] = {{0}};
+  for (int i = 0; i <= D; i++) {
+    double u = t->place[i] = 0.5 - 0.5 * cos(i * SKF_PI / D);
+    for (int k = 0; k <= D; k++) a[i][k] = choose(D - k, k) * power(u, k) * power(1 - u, D - k);
+    a[i][D + 1 + i] = 1;
+  }
+  for (int i = 0; i <= D; i++) {
+    int best = i;
+    for (int r = i; r <= D; r++)
+      if (fabs(a[r][i]) > fabs(a[best][i])) best = r;
+    for (int k = 0; k < 2 * D + 2; k++) {
+      double x = a[best][k];
+      a[best][k] = a[i][k], a[i][k] = x;
+    }
+    for (int r = 0; r <= D; r++) {
+      double f = r == i ? 0 : a[r][i] / a[i][i];
+      for (int k = 0; k < 2 * D + 2 && f != 0; k++) a[r][k] -= f * a[i][k];
+    }
+  }
+  for (int i = 0; i <= D; i++)
+    for (int k = 0; k <= D; k++) t->bernstein[i][k] = a[i][D + 1 + k] / a[i][i];
+}
+
+void skf_chebyshev_init(skf_chebyshev *t, double slack) {
+  double T[N], values[N], c[N];
+  memset(t, 0, sizeof *t);
+  for (int p = 0; p < N; p++) {
+    t->node[p] = cos((2 * p + 1) * SKF_PI / (2 * N));
+    polynomials(t->node[p], T);
+    for (int i = 0; i < N; i++) t->forward[i][p] = (i ? 2. : 1.) / N * T[i];
+  }
+  for (int upper = 0; upper < 2; upper++)
+    for (int i = 0; i < N; i++) {
+      for (int p = 0; p < N; p++) {
+        polynomials(0.5 * t->node[p] + (upper ? 0.5 : -0.5) / (1 + slack), T);
+        values[p] = T[i];
+      }
+      transform(t, values, c);
+      for (int k = 0; k <= i; k++) t->half[upper][k][i] = c[k];
+    }
+  t->power[0][0] = 1, t->power[1][1] = 1;
+  for (int i = 2; i < N; i++)
+    for (int k = 0; k <= i; k++) t->power[k][i] = (k ? 2 * t->power[k - 1][i - 1] : 0) - t->power[k][i - 2];
+  along_rays(t);
+  t->lebesgue = 2 / SKF_PI * log(N) + 1; /* an upper bound [Rivlin 1974] */
+}
+
+bool skf_source_is_smooth(const skf_source *s) {
+  skf_kernel_type k = s->element.kernel.type;
+  skf_shape shape = s->element.primitive.shape;
+  return (k == SKF_CAUCHY || k == SKF_INVERSE || k == SKF_INVERSE_SQUARED || k == SKF_GAUSSIAN) &&
+         (shape == SKF_POINT || shape == SKF_SEGMENT || shape == SKF_ARC || shape == SKF_TRIANGLE);
+}
+
+/* Of the n-th Taylor coefficient of the element's field along any line, times reach^n. For the Gaussian by Cramer's
+   bound of Hermite's polynomials. */
+static double taylor(const skf_source *s, double near, double most, double reach, int n) {
+  double p = s->element.kernel.param;
+  if (s->element.kernel.type == SKF_GAUSSIAN) {
+    double factorial = 1;
+    for (int i = 2; i <= n; i++) factorial *= i;
+    return 1.0866 * s->measure * exp(-0.5 * p * near * p * near) * power(1.4142135623730952 * p * reach, n) /
+           sqrt(factorial);
+  }
+  bool cauchy = s->element.kernel.type == SKF_CAUCHY;
+  int order = cauchy ? 3 : s->element.kernel.type == SKF_INVERSE_SQUARED ? 1 : 0;
+  double distance = cauchy ? sqrt(near * near + 1 / (p * p)) : near;
+  return distance > 0 ? most * choose(n, order) * power(reach / distance, n) : INFINITY;
+}
+
+/* The factor from one term of the series at half the cube to the next, roughly. Where it is below 1/4, derivatives of
+   products of E are at most what n^2 and n^4 / 3 say, whatever the axis. */
+static double converges(const skf_source *s, double near, double half) {
+  double p = s->element.kernel.param;
+  if (s->element.kernel.type == SKF_GAUSSIAN) return p * half / 4;
+  return 0.7 * half / (s->element.kernel.type == SKF_CAUCHY ? sqrt(near * near + 1 / (p * p)) : near);
+}
+
+skf_margin skf_margin_of(const skf_source *s, double near, double most, double half) {
+  double w = fmax(fabs(s->least), fabs(s->most)), per = 1 / half, n2 = N * N, curl = n2 * (n2 - 1) / 3;
+  near *= 1 - 1e-12;
+  double by[3], e = 2 * w * taylor(s, near, most, 0.5 * half, N) * (1 + 1e-9);
+  for (int k = 0; k < 3; k++) by[k] = 4 * w * taylor(s, near, most, 0.5 * half, k == 0 ? 2 * N : N + k) * (1 + 1e-9);
+  /* what two axes, and three, leave at once; what one leaves derived along another, once and twice */
+  double three = 8 * w * taylor(s, near, most, 0.5 * half, 3 * N) * choose(N, N) * choose(2 * N, N);
+  double all = 3 * by[0] * choose(N, N) + three * (1 + 1e-9), once = (N + 1) * by[1],
+         twice = 2 * (N + 1) * (N + 2) * by[2];
+  if (!(converges(s, near, half) < 0.25)) return (skf_margin){INFINITY, INFINITY, INFINITY, INFINITY, w * most};
+  return (skf_margin){3 * e + all, 1.7320508075688773 * (n2 * (e + all) + 2 * once) * per,
+                      (curl * (e + all) + 2 * twice + 2 * (2 * n2 * once + twice + n2 * n2 * all)) * per * per,
+                      24 * w * taylor(s, near, most, 1, 4), w * most};
+}
+
+/* The matrix of each axis in turn, on what has N^3 entries. */
+static void apply(const double a[3][N][N], double *c) {
+  for (int axis = 0, stride = N * N; axis < 3; axis++, stride /= N)
+    for (int row = 0; row < N * N; row++) {
+      double *first = c + (axis == 0 ? row : axis == 1 ? row / N * N * N + row % N : row * N), b[N];
+      for (int q = 0; q < N; q++) b[q] = first[q * stride];
+      for (int k = 0; k < N; k++) {
+        double sum = 0;
+        for (int q = 0; q < N; q++) sum += a[axis][k][q] * b[q];
+        first[k * stride] = sum;
+      }
+    }
+}
+
+static void spread(const double a[N][N], double all[3][N][N]) {
+  for (int axis = 0; axis < 3; axis++) memcpy(all[axis], a, sizeof all[axis]);
+}
+
+void skf_model_halve(const skf_chebyshev *t, const skf_model *m, int child, skf_model *out) {
+  double a[3][N][N];
+  for (int axis = 0; axis < 3; axis++) memcpy(a[axis], t->half[child >> axis & 1], sizeof a[axis]);
+  *out = *m;
+  apply((const double(*)[N][N])a, out->c);
+}
+
+void skf_model_add(const skf_chebyshev *t, const double *values, const skf_margin *off, skf_model *m) {
+  double a[3][N][N], c[SKF_ALL_NODES];
+  spread(t->forward, a);
+  memcpy(c, values, sizeof c);
+  apply((const double(*)[N][N])a, c);
+  for (int i = 0; i < SKF_ALL_NODES; i++) m->c[i] += c[i];
+  m->off.value += off->value, m->off.slope += off->slope, m->off.bend += off->bend;
+  m->off.fourth += off->fourth, m->off.size += off->size;
+}
+
+double skf_model_swing(const skf_model *m) {
+  double sum = 0;
+  for (int i = 1; i < SKF_ALL_NODES; i++) sum += fabs(m->c[i]);
+  return sum;
+}
+
+void skf_model_powers(const skf_chebyshev *t, const skf_model *m, double half, double out[SKF_TERMS], skf_margin *off) {
+  double a[3][N][N], c[SKF_ALL_NODES], per = 1 / half, all = 0;
+  for (int i = 0; i < SKF_ALL_NODES; i++) {
+    int x = i / (N * N), y = i / N % N, z = i % N, x2 = x * x, y2 = y * y, z2 = z * z;
+    double size = fabs(m->c[i]);
+    bool keep = x + y + z <= SKF_DEGREE;
+    c[i] = keep ? m->c[i] : 0, all += size;
+    if (keep) continue; /* |T_n'| <= n^2, |T_n''| <= n^2 (n^2 - 1) / 3; the Hessian's norm is at most its largest row */
+    double xx = x2 * (x2 - 1) / 3. + x2 * (y2 + z2), yy = y2 * (y2 - 1) / 3. + y2 * (x2 + z2),
+           zz = z2 * (z2 - 1) / 3. + z2 * (x2 + y2);
+    off->value += size, off->slope += size * sqrt(x2 * x2 + y2 * y2 + z2 * z2) * per;
+    off->bend += size * fmax(xx, fmax(yy, zz)) * per * per;
+  }
+  spread(t->power, a);
+  apply((const double(*)[N][N])a, c);
+  for (int i = 0, n = 0; i <= SKF_DEGREE; i++)
+    for (int j = 0; i + j <= SKF_DEGREE; j++)
+      for (int k = 0; i + j + k <= SKF_DEGREE; k++) out[n++] = c[(i * N + j) * N + k];
+  off->value += 4096 * DBL_EPSILON * all; /* powers are up to (1 + sqrt 2)^5 = 82 times larger than Chebyshev's */
+}

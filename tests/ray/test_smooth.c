@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: MIT */
+/* Polynomials in place of smooth fields: never further from them than they say. */
+#include "check.h"
+#include "field/some.h"
+#include "random.h"
+#include "ray/smooth.h"
+#include <stdlib.h>
+
+enum { ELEMENTS = 5, CELLS = 60, PLACES = 20 };
+
+static const skf_kernel_type kernels[] = {SKF_CAUCHY, SKF_INVERSE, SKF_INVERSE_SQUARED, SKF_GAUSSIAN};
+static const skf_shape shapes[] = {SKF_POINT, SKF_SEGMENT, SKF_ARC, SKF_TRIANGLE};
+
+static double power_sum(const double *c, skf_vec3 x) {
+  double sum = 0;
+  for (int i = 0; i <= SKF_DEGREE; i++)
+    for (int j = 0; i + j <= SKF_DEGREE; j++)
+      for (int k = 0; i + j + k <= SKF_DEGREE; k++) sum += *c++ * pow(x.x, i) * pow(x.y, j) * pow(x.z, k);
+  return sum;
+}
+
+/* A cell of a field; returns whether it is a leaf, in which value, slope and second differences are held against the
+   field's own. */
+static bool check_cell(const skf_smooth *s, const skf_far_part *all, const skf_smooth_cell *c, uint64_t *state,
+                       double *closest) {
+  skf_patch patch;
+  skf_model model;
+  uint32_t kept[ELEMENTS], keep;
+  skf_smooth_kind kind = skf_smooth_examine(s, c, all, &patch, &model, kept, &keep);
+  assert_int_not_equal(kind, SKF_SMOOTH_LOST);
+  for (int i = 0; i < PLACES; i++) {
+    skf_vec3 x = rnd_vec(state, 1), g, u = rnd_unit(state), p = v3_mad(c->center, c->half, x);
+    double F = skf_field_at(s->field, p, &g), h = 1e-4;
+    if (kind == SKF_SMOOTH_OUTSIDE) assert_true(F < s->iso);
+    if (kind == SKF_SMOOTH_INSIDE) assert_true(F > s->iso);
+    if (kind != SKF_SMOOTH_LEAF) continue;
+    double P = power_sum(patch.c, x), off = fabs(F - s->iso - P);
+    if (!(off <= patch.off.value)) fail_msg("off by %g, not by %g at most", off, patch.off.value);
+    if (off > 1e-13 * fabs(F)) *closest = fmax(*closest, off / patch.off.value);
+    double up = power_sum(patch.c, v3_mad(x, h, u)), down = power_sum(patch.c, v3_mad(x, -h, u));
+    double slope = (up - down) / (2 * h * c->half), scale = (fabs(F) + v3_norm(g) * c->half) / c->half;
+    assert_true(fabs(v3_dot(g, u) - slope) <= patch.off.slope + 1e-6 * scale);
+    skf_vec3 to, from;
+    skf_field_at(s->field, v3_mad(p, h * c->half, u), &to), skf_field_at(s->field, v3_mad(p, -h * c->half, u), &from);
+    double bend = v3_dot(v3_sub(to, from), u) / (2 * h * c->half),
+           bow = (up - 2 * P + down) / (h * h * c->half * c->half);
+    assert_true(fabs(bend - bow) <= patch.off.bend + 1e-5 * scale / c->half);
+  }
+  return kind == SKF_SMOOTH_LEAF;
+}
+
+/* Cells of all sizes, one below the other as in an octree. */
+static void margins(void **unused) {
+  (void)unused;
+  uint64_t state = 12;
+  int leaves[4] = {0};
+  double closest = 0;
+  for (int scene = 0; scene < 64; scene++) {
+    skf_element e[ELEMENTS];
+    skf_source sources[ELEMENTS];
+    skf_field *f;
+    int kind = scene % 4;
+    double scale = scene % 3 == 0 ? 1e-7 : 1;
+    for (int i = 0; i < ELEMENTS; i++) {
+      e[i] = (skf_element){.kernel = {kernels[kind], rnd(&state, 1, 4) / scale}, .strength = rnd(&state, 0.5, 2)};
+      if (scene % 5 == 0 && i) e[i].strength = -0.3 * e[i].strength;
+      rnd_primitive(&state, shapes[scene / 4 % 4], scale, &e[i].primitive);
+    }
+    assert_int_equal(skf_field_new(e, ELEMENTS, &f), SKF_OK);
+    for (size_t i = 0; i < ELEMENTS; i++) {
+      assert_int_equal(skf_source_init(skf_field_element(f, i), sources + i), SKF_OK);
+      assert_true(skf_source_is_smooth(sources + i));
+    }
+    for (int cell = 0; cell < CELLS; cell++) {
+      skf_vec3 on = skf_primitive_point(&e[cell % ELEMENTS].primitive, 0.4, 0.3);
+      skf_vec3 p = v3_mad(on, scale * rnd(&state, 0.1, 0.8), rnd_unit(&state));
+      skf_smooth s = {.field = f, .sources = sources, .iso = skf_field_at(f, p, NULL), .noise = 1e-15};
+      skf_chebyshev_init(&s.table, 1e-8);
+      skf_far_part *above = calloc(1, sizeof *above + ELEMENTS * sizeof(uint32_t));
+      above->count = ELEMENTS;
+      for (uint32_t i = 0; i < ELEMENTS; i++) above->list[i] = i;
+      skf_smooth_cell c = {p, 0.4 * scale, 0, false};
+      int first = (int)rnd(&state, 0, 8);
+      for (int level = 0; level < 12; level++) { /* towards p, with what is far put aside on the way */
+        if (check_cell(&s, above, &c, &state, &closest)) {
+          leaves[kind]++;
+          break;
+        }
+        skf_patch patch;
+        skf_model model;
+        uint32_t kept[ELEMENTS], keep = above->count;
+        if (skf_smooth_examine(&s, &c, above, &patch, &model, kept, &keep) != SKF_SMOOTH_BRANCH) break;
+        above->model = model, above->count = keep;
+        for (uint32_t i = 0; i < keep; i++) above->list[i] = kept[i];
+        c.child = level ? 7 - first : first; /* p is at its corner */
+        double half = 0.5 * c.half / (1 + 1e-8);
+        c.center =
+            v3_add(c.center, v3(c.child & 1 ? half : -half, c.child & 2 ? half : -half, c.child & 4 ? half : -half));
+        c.half *= 0.5;
+      }
+      free(above);
+    }
+    for (size_t i = 0; i < ELEMENTS; i++) skf_source_free(sources + i);
+    skf_field_free(f);
+  }
+  print_message("%d, %d, %d, %d leaves; off by up to %.2g of the margin\n", leaves[0], leaves[1], leaves[2], leaves[3],
+                closest);
+  for (int k = 0; k < 4; k++) assert_true(leaves[k] > 100);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(margins)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
