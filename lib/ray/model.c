@@ -132,18 +132,34 @@ skf_margin skf_margin_of(const skf_source *s, double near, double most, double h
                       24 * w * taylor(s, near, most, 1, 4), w * most};
 }
 
-/* The matrix of each axis in turn, on what has N^3 entries. */
+/* The matrix of each axis in turn, on what has N^3 entries. The innermost loops run along memory. */
 static void apply(const double a[3][N][N], double *c) {
-  for (int axis = 0, stride = N * N; axis < 3; axis++, stride /= N)
-    for (int row = 0; row < N * N; row++) {
-      double *first = c + (axis == 0 ? row : axis == 1 ? row / N * N * N + row % N : row * N), b[N];
-      for (int q = 0; q < N; q++) b[q] = first[q * stride];
-      for (int k = 0; k < N; k++) {
-        double sum = 0;
-        for (int q = 0; q < N; q++) sum += a[axis][k][q] * b[q];
-        first[k * stride] = sum;
-      }
+  double b[SKF_ALL_NODES], turned[N][N];
+  for (int k = 0; k < N; k++)
+    for (int q = 0; q < N; q++) turned[q][k] = a[2][k][q];
+  memset(b, 0, sizeof b);
+  for (int k = 0; k < N; k++)
+    for (int q = 0; q < N; q++) {
+      double f = a[0][k][q];
+      if (f == 0) continue; /* many are */
+      for (int i = 0; i < N * N; i++) b[k * N * N + i] += f * c[q * N * N + i];
     }
+  for (int x = 0; x < N; x++) {
+    double row[N][N] = {{0}};
+    const double *from = b + x * N * N;
+    for (int k = 0; k < N; k++)
+      for (int q = 0; q < N; q++) {
+        double f = a[1][k][q];
+        if (f == 0) continue;
+        for (int i = 0; i < N; i++) row[k][i] += f * from[q * N + i];
+      }
+    for (int y = 0; y < N; y++) {
+      double sum[N] = {0};
+      for (int q = 0; q < N; q++)
+        for (int k = 0; k < N; k++) sum[k] += turned[q][k] * row[y][q];
+      memcpy(c + (x * N + y) * N, sum, sizeof sum);
+    }
+  }
 }
 
 static void spread(const double a[N][N], double all[3][N][N]) {
@@ -167,18 +183,20 @@ void skf_model_add(const skf_chebyshev *t, const double *values, const skf_margi
   m->off.fourth += off->fourth, m->off.size += off->size;
 }
 
-double skf_model_swing(const skf_model *m) {
+double skf_model_swing(const skf_model *m, int degree) {
   double sum = 0;
-  for (int i = 1; i < SKF_ALL_NODES; i++) sum += fabs(m->c[i]);
+  for (int i = 1; i < SKF_ALL_NODES; i++)
+    if (i / (N * N) + i / N % N + i % N > degree) sum += fabs(m->c[i]);
   return sum;
 }
 
-void skf_model_powers(const skf_chebyshev *t, const skf_model *m, double half, double out[SKF_TERMS], skf_margin *off) {
+void skf_model_powers(const skf_chebyshev *t, const skf_model *m, double half, int degree, double out[SKF_TERMS],
+                      skf_margin *off) {
   double a[3][N][N], c[SKF_ALL_NODES], per = 1 / half, all = 0;
   for (int i = 0; i < SKF_ALL_NODES; i++) {
     int x = i / (N * N), y = i / N % N, z = i % N, x2 = x * x, y2 = y * y, z2 = z * z;
     double size = fabs(m->c[i]);
-    bool keep = x + y + z <= SKF_DEGREE;
+    bool keep = x + y + z <= degree;
     c[i] = keep ? m->c[i] : 0, all += size;
     if (keep) continue; /* |T_n'| <= n^2, |T_n''| <= n^2 (n^2 - 1) / 3; the Hessian's norm is at most its largest row */
     double xx = x2 * (x2 - 1) / 3. + x2 * (y2 + z2), yy = y2 * (y2 - 1) / 3. + y2 * (x2 + z2),
@@ -188,8 +206,8 @@ void skf_model_powers(const skf_chebyshev *t, const skf_model *m, double half, d
   }
   spread(t->power, a);
   apply((const double(*)[N][N])a, c);
-  for (int i = 0, n = 0; i <= SKF_DEGREE; i++)
-    for (int j = 0; i + j <= SKF_DEGREE; j++)
-      for (int k = 0; i + j + k <= SKF_DEGREE; k++) out[n++] = c[(i * N + j) * N + k];
+  for (int i = 0, n = 0; i <= degree; i++)
+    for (int j = 0; i + j <= degree; j++)
+      for (int k = 0; i + j + k <= degree; k++) out[n++] = c[(i * N + j) * N + k];
   off->value += 4096 * DBL_EPSILON * all; /* powers are up to (1 + sqrt 2)^5 = 82 times larger than Chebyshev's */
 }

@@ -7,7 +7,7 @@
 
 /* Nodes along each axis; the total degree of the polynomials that rays meet, and their terms. */
 enum { SKF_NODES = 8, SKF_ALL_NODES = SKF_NODES * SKF_NODES * SKF_NODES };
-enum { SKF_DEGREE = 7, SKF_TERMS = (SKF_DEGREE + 1) * (SKF_DEGREE + 2) * (SKF_DEGREE + 3) / 6 };
+enum { SKF_LOW_DEGREE = 5, SKF_DEGREE = 7, SKF_TERMS = (SKF_DEGREE + 1) * (SKF_DEGREE + 2) * (SKF_DEGREE + 3) / 6 };
 
 /* Chebyshev's nodes and what turns values there into coefficients, coefficients into those on a half of the interval
    (the cubes are larger than the cells by 1 + slack), or into powers. */
@@ -45,11 +45,12 @@ void skf_model_halve(const skf_chebyshev *t, const skf_model *m, int child, skf_
 /* Adds the interpolant of values at the nodes, z fastest, and its margin. */
 void skf_model_add(const skf_chebyshev *t, const double *values, const skf_margin *off, skf_model *m);
 
-/* The sum of what the coefficients but the first can amount to. */
-double skf_model_swing(const skf_model *m);
+/* The sum of what the coefficients of a total degree above `degree` can amount to; above 0: how much it changes. */
+double skf_model_swing(const skf_model *m, int degree);
 
-/* Powers up to SKF_DEGREE in all: out[] of x^i y^j z^k, i, then j, then k ascending; what is left out is added to
- *off. `half`: of the cube. */
-void skf_model_powers(const skf_chebyshev *t, const skf_model *m, double half, double out[SKF_TERMS], skf_margin *off);
+/* Powers up to `degree` in all, SKF_DEGREE or SKF_LOW_DEGREE: out[] of x^i y^j z^k, i, then j, then k ascending; what
+   is left out is added to *off. `half`: of the cube. */
+void skf_model_powers(const skf_chebyshev *t, const skf_model *m, double half, int degree, double out[SKF_TERMS],
+                      skf_margin *off);
 
 #endif

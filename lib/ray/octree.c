@@ -177,9 +177,9 @@ static skf_cell make(skf_octree *t, int kind, const skf_branch *in, const uint32
 static void set_shape(const skf_patch *p, skf_leaf *l) {
   const double *c = p->c;
   l->patch = p, l->f = c[0], l->flat = 0, l->slope = 0, l->bend = 0;
-  for (int i = 0; i <= SKF_DEGREE; i++)
-    for (int j = 0; i + j <= SKF_DEGREE; j++)
-      for (int m = 0; i + j + m <= SKF_DEGREE; m++, c++) {
+  for (int i = 0; i <= p->degree; i++)
+    for (int j = 0; i + j <= p->degree; j++)
+      for (int m = 0; i + j + m <= p->degree; m++, c++) {
         int n = i + j + m;
         double size = fabs(*c) * p->per;
         if (n == 1) *(i ? &l->g.x : j ? &l->g.y : &l->g.z) = *c * p->per;
@@ -277,7 +277,7 @@ static bool open_smooth(skf_octree *t, size_t n) {
   memset(&far->model, 0, sizeof far->model);
   far->count = (uint32_t)n;
   memcpy(far->list, t->all->list, n * sizeof *far->list);
-  *s = (skf_smooth){.field = t->field, .sources = t->sources, .iso = t->iso, .noise = t->noise};
+  *s = (skf_smooth){.field = t->field, .sources = t->sources, .iso = t->iso, .noise = t->noise, .few = n <= SKF_FEW};
   skf_chebyshev_init(&s->table, SLACK);
   t->smooth = s, t->all->far = far;
   return true;

@@ -44,17 +44,17 @@ static void meet_leaf(skf_packet *p, const skf_leaf *leaf, const span *s, unsign
 }
 
 /* The model's value at x, y, z: Horner's scheme in each of them. */
-SKF_INLINE skf_vd patch_at(const double *c, skf_vd x, skf_vd y, skf_vd z) {
+SKF_INLINE skf_vd patch_at(const int degree, const double *c, skf_vd x, skf_vd y, skf_vd z) {
   skf_vd sum = vd_set(0);
-  const double *last = c + SKF_TERMS - 1;
+  const double *last = c + (degree + 1) * (degree + 2) * (degree + 3) / 6 - 1;
 #pragma GCC unroll 8
-  for (int i = SKF_DEGREE; i >= 0; i--) {
+  for (int i = degree; i >= 0; i--) {
     skf_vd row = vd_set(0);
 #pragma GCC unroll 8
-    for (int j = SKF_DEGREE - i; j >= 0; j--) {
+    for (int j = degree - i; j >= 0; j--) {
       skf_vd line = vd_set(*last--);
 #pragma GCC unroll 8
-      for (int k = SKF_DEGREE - i - j; k > 0; k--) line = line * z + vd_set(*last--);
+      for (int k = degree - i - j; k > 0; k--) line = line * z + vd_set(*last--);
       row = row * y + line;
     }
     sum = sum * x + row;
@@ -91,7 +91,10 @@ SKF_INLINE unsigned along_patch(const skf_packet *p, const skf_leaf *leaf, const
   skf_vd z = (vd_load(p->o[2] + at) + a * dz - vd_set(leaf->center.z)) * per;
   for (int i = 0; i <= SKF_DEGREE; i++) {
     skf_vd u = L * per * vd_set(t->place[i]);
-    f[i] = patch_at(patch->c, x + u * dx, y + u * dy, z + u * dz);
+    if (patch->degree == SKF_DEGREE)
+      f[i] = patch_at(SKF_DEGREE, patch->c, x + u * dx, y + u * dy, z + u * dz);
+    else
+      f[i] = patch_at(SKF_LOW_DEGREE, patch->c, x + u * dx, y + u * dy, z + u * dz);
   }
   lo = hi = f[0];
   vd_store(c[0] + at, f[0]);

@@ -12,14 +12,15 @@ enum { N = SKF_DEGREE, HALVINGS = 10, ROOTS = 32 };
 static skf_vec3 gradient(const skf_leaf *leaf, skf_vec3 p) {
   const skf_patch *q = leaf->patch;
   const double *c = q->c;
+  int n = q->degree;
   double per = q->per, x = (p.x - leaf->center.x) * per, y = (p.y - leaf->center.y) * per,
          z = (p.z - leaf->center.z) * per, xi[N + 1] = {1}, yi[N + 1] = {1}, zi[N + 1] = {1};
   for (int i = 1; i <= N; i++) xi[i] = xi[i - 1] * x, yi[i] = yi[i - 1] * y, zi[i] = zi[i - 1] * z;
   skf_vec3 g = {0, 0, 0};
-  for (int i = 0; i <= N; i++)
-    for (int j = 0; i + j <= N; j++) {
+  for (int i = 0; i <= n; i++)
+    for (int j = 0; i + j <= n; j++) {
       double f = 0, fz = 0;
-      for (int k = 0; i + j + k <= N; k++, c++) {
+      for (int k = 0; i + j + k <= n; k++, c++) {
         f += *c * zi[k];
         if (k) fz += *c * k * zi[k - 1];
       }
@@ -34,10 +35,9 @@ skf_vec3 skf_patch_turn(const skf_leaf *leaf, skf_vec3 from, skf_vec3 to) {
   return v3_sub(gradient(leaf, to), gradient(leaf, from));
 }
 
-/* A crossing in (a, b), both in [0, 1], f there, the polynomial's root and its Taylor coefficients from the second on.
- */
+/* A crossing in (a, b), both in [0, 1], f there, the polynomial's root and two of its Taylor coefficients there. */
 typedef struct crossing {
-  double a, b, fa, fb, root, c[N - 1];
+  double a, b, fa, fb, root, c2, c3;
 } crossing;
 
 typedef struct findings {
@@ -55,9 +55,11 @@ static double halve(double c[N + 1], double r[N + 1]) {
   return c[N];
 }
 
-/* The root in (0, 1) of c, which rises or falls, and Taylor's coefficients there. */
-static double root_of(const double c[N + 1], double taylor[N + 1]) {
+/* The root in (0, 1) of c, which rises or falls, to some 1e-8, and Taylor's coefficients there. */
+static double root_of(const double c[N + 1], double *c2, double *c3) {
   double lo = 0, hi = 1, d[N + 1], x = c[0] / (c[0] - c[N]);
+  for (int k = 0; k < N; k++) /* better: where the control polygon crosses */
+    if ((c[k] > 0) != (c[k + 1] > 0)) x = (k + c[k] / (c[k] - c[k + 1])) / N;
   for (int k = 0; k <= N; k++) d[k] = c[k];
   for (int k = 1; k <= N; k++)
     for (int i = N; i >= k; i--) d[i] -= d[i - 1];
@@ -68,26 +70,24 @@ static double root_of(const double c[N + 1], double taylor[N + 1]) {
     double next = x - f / slope;
     *((f > 0) == (c[N] > 0) ? &hi : &lo) = x;
     if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
-    bool near = fabs(next - x) < 1e-7;
+    bool near = fabs(next - x) < 1e-4; /* the field is looked at here, and goes on from what it is */
     x = next;
     if (near) break;
   }
-  for (int k = 0; k <= N; k++) { /* synthetic division by (u - x), again and again */
-    for (int i = N - 1; i >= k; i--) d[i] += x * d[i + 1];
-    taylor[k] = d[k];
+  *c2 = *c3 = 0;
+  for (int k = N; k > 1; k--) {
+    *c2 = *c2 * x + 0.5 * k * (k - 1) * d[k];
+    if (k > 2) *c3 = *c3 * x + k * (k - 1) * (k - 2) / 6. * d[k];
   }
   return x;
 }
 
 static bool push(findings *out, const double c[N + 1], double from, double to) {
-  double taylor[N + 1], per = 1;
+  double c2, c3, per = 1 / (to - from);
   if (out->count == ROOTS) return false;
   crossing *r = out->roots + out->count++;
-  *r = (crossing){from, to, c[0], c[N], from + (to - from) * root_of(c, taylor), {0}};
-  for (int k = 1; k <= N; k++) {
-    per /= to - from;
-    if (k > 1) r->c[k - 2] = taylor[k] * per;
-  }
+  *r = (crossing){from, to, c[0], c[N], from + (to - from) * root_of(c, &c2, &c3), 0, 0};
+  r->c2 = c2 * per * per, r->c3 = c3 * per * per * per;
   return true;
 }
 
@@ -124,9 +124,8 @@ static bool isolate(const double coefficients[N + 1], double off, double slope, 
 
 static void emit(skf_packet *p, int lane, const skf_leaf *leaf, double start, double L, const crossing *r) {
   skf_knot a = {.t = start + r->a * L, .f = r->fa}, b = {.t = start + r->b * L, .f = r->fb};
-  skf_bow bow = {.off = leaf->patch->off.bend};
-  double per = 1 / L, scale = per;
-  for (int k = 0; k < N - 1; k++) bow.c[k] = r->c[k] * (scale *= per);
+  double per = 1 / L;
+  skf_bow bow = {r->c2 * per * per, r->c3 * per * per * per, leaf->patch->off.bend, 1 / leaf->patch->per};
   skf_packet_lane(p, lane)->bow = &bow;
   skf_packet_found(p, lane, leaf, &a, &b, start + r->root * L);
   p->walk[lane].bow = NULL;

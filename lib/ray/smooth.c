@@ -6,6 +6,9 @@
 
 /* A polynomial may be off by this part of what it changes by in a leaf; */
 #define TOLERANCE 5e-5
+/* of which the lower degree may leave out that much, more where the field is soon summed once more; */
+#define LEAST        2e-5
+#define LEAST_OF_FEW 1e-3
 /* and those of the branches above it by this part of what the field is made of there. */
 #define FAR 1e-5
 
@@ -74,10 +77,10 @@ static bool sample(const skf_smooth *t, const skf_smooth_cell *c, const uint32_t
   return true;
 }
 
-/* Powers, and bounds of the field's shape by them. */
-static void shape(const skf_smooth *t, const skf_smooth_cell *c, const skf_model *m, skf_patch *p) {
-  p->off = m->off, p->per = 1 / c->half;
-  skf_model_powers(&t->table, m, c->half, p->c, &p->off);
+/* By powers, of the lower degree where what that leaves out does not count. */
+static void shape(const skf_smooth *t, const skf_smooth_cell *c, const skf_model *m, bool low, skf_patch *p) {
+  p->off = m->off, p->degree = low ? SKF_LOW_DEGREE : SKF_DEGREE, p->per = 1 / c->half;
+  skf_model_powers(&t->table, m, c->half, p->degree, p->c, &p->off);
   p->c[0] -= t->iso;
   p->off.value += 4 * DBL_EPSILON * fabs(t->iso);
 }
@@ -88,7 +91,7 @@ skf_smooth_kind skf_smooth_examine(const skf_smooth *t, const skf_smooth_cell *c
   skf_margin off;
   outlook o = look_out(t, c, above, kept, &far, &off);
   skf_model_halve(&t->table, &above->model, c->child, m);
-  double swing = skf_model_swing(m), rounding = 1e-14 * m->off.size;
+  double swing = skf_model_swing(m, 0), rounding = 1e-14 * m->off.size;
   double wide = swing + m->off.value + rounding, middle = m->c[0];
   if (middle + wide + o.hi < t->iso) return SKF_SMOOTH_OUTSIDE;
   if (middle - wide + o.lo > t->iso) return SKF_SMOOTH_INSIDE;
@@ -96,12 +99,14 @@ skf_smooth_kind skf_smooth_examine(const skf_smooth *t, const skf_smooth_cell *c
     if (!(o.off.value < INFINITY)) return SKF_SMOOTH_BARE;
     skf_model all = *m;
     if (!sample(t, c, kept, above->count, &o.off, &all)) return SKF_SMOOTH_LOST;
-    shape(t, c, &all, patch);
-    swing = skf_model_swing(&all);
+    swing = skf_model_swing(&all, 0);
     double over = fabs(all.c[0] - t->iso) - swing - all.off.value - rounding;
     if (over > 0) return all.c[0] < t->iso ? SKF_SMOOTH_OUTSIDE : SKF_SMOOTH_INSIDE;
-    if (c->last || patch->off.value <= TOLERANCE * swing + 2 * m->off.value) /* the far part's error does not shrink */
+    double error = all.off.value + skf_model_swing(&all, SKF_DEGREE);
+    if (c->last || error <= TOLERANCE * swing + 2 * m->off.value) { /* the far part's error does not shrink */
+      shape(t, c, &all, skf_model_swing(&all, SKF_LOW_DEGREE) <= (t->few ? LEAST_OF_FEW : LEAST) * swing, patch);
       return SKF_SMOOTH_LEAF;
+    }
   }
   if (!sample(t, c, kept, far, &off, m)) return SKF_SMOOTH_LOST;
   *keep = above->count - far;

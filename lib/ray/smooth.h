@@ -10,6 +10,7 @@
 /* F - iso in a leaf, by powers of (p - center) / half. */
 typedef struct skf_patch {
   double c[SKF_TERMS];
+  int degree;
   double per; /* 1 / half */
   skf_margin off;
 } skf_patch;
@@ -25,6 +26,7 @@ typedef struct skf_smooth {
   const skf_field *field;
   const skf_source *sources;
   double iso, noise; /* noise: relative rounding of F */
+  bool few;          /* elements are summed sooner than high powers */
   skf_chebyshev table;
 } skf_smooth;
 

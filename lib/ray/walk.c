@@ -188,31 +188,29 @@ static double inverse_step(const skf_knot *p, const skf_knot *q) {
 }
 
 /* How exact normals have to be. Few elements are summed once more for it. */
-enum { FEW = 32 };
 #define STRAIGHT        1e-14
 #define NEARLY_STRAIGHT 1e-8
+/* By which two more derivatives of a polynomial on [-1, 1] may exceed it. */
+#define MARKOV (SKF_DEGREE * SKF_DEGREE * (SKF_DEGREE * SKF_DEGREE - 1) / 3.)
 
 /* What the field at the guess leaves of the model's error is of second order: f + slope s + the model's higher terms,
    off by at most s^2 / 2 times what the second derivative is off by. From a second guess on, by all that it can be. */
 bool skf_walk_settle(const skf_walk *w, double guess, const skf_knot *k, skf_knot *root) {
   const skf_bow *b = w->bow;
   bool again = k->t != guess;
-  double grain = DBL_EPSILON * largest(k->at), s = -k->f / k->slope, slope = k->slope;
-  for (int i = 0; i < 3 && !again; i++) {
-    double f = 0;
-    slope = 0;
-    for (int n = SKF_DEGREE - 2; n >= 0; n--) slope = slope * s + (n + 2) * b->c[n], f = f * s + b->c[n];
-    f = k->f + s * (k->slope + s * f), slope = k->slope + s * slope;
-    s -= f / slope;
+  double grain = DBL_EPSILON * largest(k->at), s = -k->f / k->slope, off = w->leaf->bend;
+  if (!again) {
+    for (int i = 0; i < 2; i++) s = -(k->f + s * s * (b->c2 + s * b->c3)) / k->slope;
+    off = b->off + off * MARKOV * (s / b->length) * (s / b->length); /* the terms from the fourth on */
   }
-  double error = 0.5 * (again ? w->leaf->bend : b->off) * s * s;
+  double error = 0.5 * off * s * s;
   bool near = fabs(s) <= 4 * grain, good = error <= 2 * DBL_EPSILON * k->size || error <= 2 * grain * fabs(k->slope);
   *root = *k;
   root->t = k->t + s, root->at = v3_mad(w->origin, root->t, w->direction);
   if (near || !good) return near;
-  double steep = v3_norm(k->gradient), exact = w->tracer->n <= FEW ? STRAIGHT : NEARLY_STRAIGHT;
-  if (fabs(s) * w->leaf->bend <= exact * steep) return true;
-  if (!(fabs(s) * b->off <= exact * steep)) return false;
+  double steep = v3_norm(k->gradient);
+  if (fabs(s) * w->leaf->bend <= STRAIGHT * steep) return true;
+  if (w->tracer->n <= SKF_FEW || !(fabs(s) * off <= NEARLY_STRAIGHT * steep)) return false;
   root->gradient = v3_add(k->gradient, skf_patch_turn(w->leaf, k->at, root->at));
   return true;
 }

@@ -31,10 +31,10 @@ typedef struct skf_knot {
   bool known; /* else only t is set */
 } skf_knot;
 
-/* The model of a leaf along a ray around a root of it: derivatives by n!, from the second on, and how far the field's
-   second one may be from the model's. */
+/* The model of a leaf along a ray around a root of it: half the second derivative, a sixth of the third; how far the
+   field's second one may be from the model's, and over what length the model's changes. */
 typedef struct skf_bow {
-  double c[SKF_DEGREE - 1], off;
+  double c2, c3, off, length;
 } skf_bow;
 
 typedef struct skf_walk {

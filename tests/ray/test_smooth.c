@@ -11,11 +11,12 @@ enum { ELEMENTS = 5, CELLS = 60, PLACES = 20 };
 static const skf_kernel_type kernels[] = {SKF_CAUCHY, SKF_INVERSE, SKF_INVERSE_SQUARED, SKF_GAUSSIAN};
 static const skf_shape shapes[] = {SKF_POINT, SKF_SEGMENT, SKF_ARC, SKF_TRIANGLE};
 
-static double power_sum(const double *c, skf_vec3 x) {
+static double power_sum(const skf_patch *p, skf_vec3 x) {
+  const double *c = p->c;
   double sum = 0;
-  for (int i = 0; i <= SKF_DEGREE; i++)
-    for (int j = 0; i + j <= SKF_DEGREE; j++)
-      for (int k = 0; i + j + k <= SKF_DEGREE; k++) sum += *c++ * pow(x.x, i) * pow(x.y, j) * pow(x.z, k);
+  for (int i = 0; i <= p->degree; i++)
+    for (int j = 0; i + j <= p->degree; j++)
+      for (int k = 0; i + j + k <= p->degree; k++) sum += *c++ * pow(x.x, i) * pow(x.y, j) * pow(x.z, k);
   return sum;
 }
 
@@ -34,10 +35,10 @@ static bool check_cell(const skf_smooth *s, const skf_far_part *all, const skf_s
     if (kind == SKF_SMOOTH_OUTSIDE) assert_true(F < s->iso);
     if (kind == SKF_SMOOTH_INSIDE) assert_true(F > s->iso);
     if (kind != SKF_SMOOTH_LEAF) continue;
-    double P = power_sum(patch.c, x), off = fabs(F - s->iso - P);
+    double P = power_sum(&patch, x), off = fabs(F - s->iso - P);
     if (!(off <= patch.off.value)) fail_msg("off by %g, not by %g at most", off, patch.off.value);
     if (off > 1e-13 * fabs(F)) *closest = fmax(*closest, off / patch.off.value);
-    double up = power_sum(patch.c, v3_mad(x, h, u)), down = power_sum(patch.c, v3_mad(x, -h, u));
+    double up = power_sum(&patch, v3_mad(x, h, u)), down = power_sum(&patch, v3_mad(x, -h, u));
     double slope = (up - down) / (2 * h * c->half), scale = (fabs(F) + v3_norm(g) * c->half) / c->half;
     assert_true(fabs(v3_dot(g, u) - slope) <= patch.off.slope + 1e-6 * scale);
     skf_vec3 to, from;
