@@ -31,8 +31,15 @@ int cli_scene_at(const char *path, double time, skf_scene **out) {
   return cli_fail(s == SKF_ERR_NOMEM ? CLI_FAILED : CLI_BAD, "%s: %s", path, e.text);
 }
 
-/* From here on expansions save more than it costs to make them, about what 50 000 points cost without. */
-enum { MANY_PRIMITIVES = 20000, MANY_POINTS = 100000 };
+/* From here on expansions save more than it costs to make them: about what 50 000 points cost without, and more where
+   the primitives are points, whose direct sums are three times cheaper. */
+enum { MANY_PRIMITIVES = 20000, MANY_LONE_POINTS = 50000, MANY_POINTS = 100000 };
+
+static bool is_large(const skf_body *b) {
+  size_t points = 0;
+  for (size_t i = 0; i < b->element_count; i++) points += b->elements[i].primitive.shape == SKF_POINT;
+  return (double)points / MANY_LONE_POINTS + (double)(b->element_count - points) / MANY_PRIMITIVES >= 1;
+}
 
 /* The accuracy that is asked for, 0: none; where nothing is said, by the size of the work. */
 static int accuracy_of(const cli *c, size_t points, skf_field_options *options, bool *automatic) {
@@ -53,7 +60,7 @@ int cli_accuracy(const cli *c, skf_scene *scene, size_t points, bool *made) {
   for (size_t i = 0; i < scene->body_count; i++) {
     skf_body *b = scene->bodies + i;
     skf_field *field;
-    if (automatic && b->element_count < MANY_PRIMITIVES) continue;
+    if (automatic && !is_large(b)) continue;
     skf_status s = skf_field_new_with(b->elements, b->element_count, &options, &field);
     if (s && automatic) continue; /* no room: it goes on as it was */
     if (s == SKF_ERR_RANGE)

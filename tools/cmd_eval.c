@@ -130,6 +130,7 @@ const cli_command cmd_eval = {
     "     --accuracy A, from 1e-12 to 0.01, is for large skeletons: 4000 or more primitives of one kernel\n"
     "     (inverse, inverse-squared, cauchy) are summed by expansions, F to A times the sum of its absolute\n"
     "     terms. Without it this happens to 1e-12 at 100000 points or more (not with --tensor) in bodies of\n"
-    "     20000 primitives or more; else, and with --accuracy exact, every primitive is added up, to rounding.\n"
+    "     20000 primitives or more (50000 if they are points); else, and with --accuracy exact, every primitive is\n"
+    "     added up, to rounding.\n"
     "example: skelfield eval data/donut.yaml points.csv -o field.csv",
     run};

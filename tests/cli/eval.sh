@@ -55,7 +55,7 @@ expect "so they are with 0" [ "$(field 2 4)" = "$near" ]
 
 # A large body at many points: expansions by themselves, to 1e-12.
 awk 'BEGIN { print "skelfield: 1\nbodies:\n  - name: a\n    iso: 1\n    kernel: {type: cauchy, s: 9}\n    skeleton:";
-  for (i = 0; i < 20000; i++) printf "      - point: {at: [%.6f, %.6f, %.6f]}\n", sin(i), sin(1.7 * i), cos(2.3 * i * i) }' >huge.yaml
+  for (i = 0; i < 50000; i++) printf "      - point: {at: [%.6f, %.6f, %.6f]}\n", sin(i), sin(1.7 * i), cos(2.3 * i * i) }' >huge.yaml
 awk 'BEGIN { print "x,y,z\n0.11,0.2,0.3\n5,0,0"; for (i = 2; i < 100000; i++) print "-0.99,-0.98,-0.99" }' >many.csv
 run eval huge.yaml some.csv
 near=$(field 2 4) far=$(field 3 4)
