@@ -11,6 +11,8 @@
    better the shorter the step is, which is 0.9 the first time and then a small part of that. */
 #define TOWARDS 0.9
 #define NEARER  0.999
+/* Those stand-ins are never further from the motion than this part of the size, as far as that is known. */
+#define ASTRAY 1e-7
 /* No body turns further in one step, where another one may be near [rad]. */
 #define TURN 0.1
 
@@ -145,6 +147,33 @@ static double longest(const skf_swarm *s, double h) {
   return h;
 }
 
+/* By how much, over their size, bodies that may meet go astray from the parabolas and turns that stand for their motion
+   during the step: estimates, for an acceleration and an angular velocity that change evenly. */
+static double astray(const skf_swarm *s, const double *to, double h) {
+  size_t n = s->n * SKF_MOVER_STATE;
+  double *before = s->slope, *after = s->ideal, worst = 0;
+  if (!skf_swarm_slope(s, s->y, before) || !skf_swarm_slope(s, to, after)) return 0;
+  for (size_t k = 0; k < n; k++) after[k] -= before[k];
+  for (size_t i = 0; i < s->n; i++)
+    for (size_t j = i + 1; j < s->n; j++) {
+      if (!body(s, i)->free && !body(s, j)->free) continue;
+      skf_attitude a = skf_mover_at(s, s->y, i), b = skf_mover_at(s, s->y, j);
+      double way = 2 * h * v3_dist(a.v, b.v) + 2 * h * h * v3_norm(s->options.gravity), off = 0, size = INFINITY;
+      if (!skf_swarm_close(s, i, j, way)) continue;
+      for (int k = 0; k < 2; k++) {
+        const skf_mover *m = body(s, k ? j : i);
+        const double *d = after + (k ? j : i) * SKF_MOVER_STATE + 3;
+        if (!m->free) continue;
+        skf_attitude next = skf_mover_at(s, to, k ? j : i);
+        off += v3_norm(v3(d[0], d[1], d[2])) * h * h * (2.0 / 81); /* (u^3 - u^2) / 6 is at most that */
+        off += v3_dist(next.w, k ? b.w : a.w) * h * skf_mover_reach(m) / 8;
+        size = fmin(size, m->hull->radius);
+      }
+      worst = fmax(worst, off / size);
+    }
+  return worst;
+}
+
 /* How much time passes while the two come together by CLOSE of their size, at the speeds of either end of the step; no
    less than the clock can tell. */
 static double moment(const skf_swarm *s, const double *to, size_t i, size_t j) {
@@ -216,6 +245,8 @@ skf_status skf_swarm_run(skf_swarm *s, double t, skf_status (*told)(void *, cons
     skf_rigid_hit hit = {.t = 0};
     bool found;
     skf_status bad = skf_swarm_extrapolate(s, most, to, &h);
+    for (double off; !bad && h > 2 * tick && (off = astray(s, to, h)) > ASTRAY;)
+      bad = skf_swarm_extrapolate(s, h * fmax(0.2, 0.9 * cbrt(ASTRAY / off)), to, &h);
     if (!bad) bad = look(s, to, h, &hit, &found);
     if (bad) return bad;
     if (found && hit.t > moment(s, to, hit.a, hit.b)) { /* up to shortly before it */

@@ -145,7 +145,8 @@ typedef struct skf_rigid_sums {
    its whole field. Motion: extrapolation of order 16 [Gragg 1965; Bulirsch and Stoer 1966], attitudes as quaternions.
    Impacts: each step's motion, as parabolas and constant turns, goes through skf_collide_first; towards a hit the step
    is shortened until the two are closer than 1e-9 of their size. What the search certifies is that stand-in, not the
-   path: overlaps of less than some 1e-4 of the size, as at a close periapsis with long steps, may be missed. Where it
+   path: where bodies are near each other, steps are so short that both differ by less than 1e-7 of the size, by an
+   estimate from the change of acceleration and angular velocity; overlaps of less than that may be missed. Where it
    stays undecided (SKF_MEETING_UNDECIDED) a hit is assumed. At a hit an impulse acts: Newton's restitution in the
    normal velocity, and friction that ends the slip or is Coulomb's against it, or as much less as it takes not to
    create energy where the slip changes its direction during the impact [Kane 1984].

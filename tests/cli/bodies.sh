@@ -59,6 +59,14 @@ run simulate rolls.yaml --bodies rolls.csv
 cp rolls.csv "$kept/out"
 expect "without rolling friction they go on" awk -F, 'NR == 22 && !($10 > 0.01) { exit 1 }' rolls.csv
 
+run simulate "$data/grazing.yaml" --bodies g.csv --contacts h.csv
+cp h.csv "$kept/out"
+expect_close "balls that overlap by 2e-6 at periapsis touch once" "$(rows)" 1 0
+sed 's/-0.091287054881/-0.091287130954/; s/0.273861164644/0.273861392861/' "$data/grazing.yaml" >pass.yaml
+run simulate pass.yaml --bodies g.csv --contacts h.csv
+cp h.csv "$kept/out"
+expect_close "by 2e-6 apart they do not" "$(rows)" 0 0
+
 run simulate aside.yaml --bodies a.csv --contacts ./a.csv
 expect_refused "one file for two tables" "--bodies and --contacts name the same file"
 refuse_simulate() { run simulate "$2" && :; expect_refused "$1" "$3"; }

@@ -198,6 +198,29 @@ static void balls_do_not_fall_through(void **state) {
   }
 }
 
+/* Two balls on Kepler's ellipse about each other, from apoapsis, one spinning: their periapsis is a bit
+   less or more than the sum of their radii, by 1e-6 of it. */
+static void grazing_passes(void **state) {
+  (void)state;
+  skf_element e = point_at(0, 0, 0, newton);
+  for (int k = 0; k < 4; k++) {
+    skf_field *f, *g;
+    double q = 2 * (1 + (k % 2 ? 1e-6 : -1e-6)), Q = k < 2 ? 10 : 3, v = sqrt(2 * 4 * q / (Q * (Q + q))); /* G M = 4 */
+    double half = 0.5 * TAU * sqrt(pow(0.5 * (Q + q), 3) / 4);
+    skf_rigid_body b[2] = {body_of(&e, 1, 1, 3, &f), body_of(&e, 1, 1, 1, &g)};
+    b[0].start.position.x = -Q / 4, b[1].start.position.x = 0.75 * Q;
+    b[0].start.velocity.y = -v / 4, b[1].start.velocity.y = 0.75 * v;
+    b[0].start.angular_velocity = v3(0.3, 0.1, 0.2);
+    skf_swarm *s = swarm_of(b, 2, (skf_rigid_options){.G = 1, .restitution = 1});
+    hits log = {.e = 1};
+    assert_int_equal(skf_swarm_run(s, 1.5 * half, note, &log), SKF_OK);
+    assert_int_equal(log.n, k % 2 == 0);
+    if (log.n) check_close(log.last.t, half, 0.02);
+    skf_swarm_free(s);
+    skf_field_free(f), skf_field_free(g);
+  }
+}
+
 /* Two that overlap and part do not hide what the others do. */
 static void pairs_do_not_hide_pairs(void **state) {
   (void)state;
@@ -235,6 +258,7 @@ int main(void) {
       cmocka_unit_test(spheres_collide),         cmocka_unit_test(odd_bodies_collide),
       cmocka_unit_test(a_ball_on_the_ground),    cmocka_unit_test(balls_do_not_fall_through),
       cmocka_unit_test(pairs_do_not_hide_pairs), cmocka_unit_test(refusals),
+      cmocka_unit_test(grazing_passes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
