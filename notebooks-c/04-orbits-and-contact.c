@@ -317,7 +317,7 @@ for (int i = 0; i < entrant_count; i++)
 // %%
 void draw_work(int which, const char *path) {
   skf_canvas *c = canvas(1300, 640);
-  const axis error = {1e-15, 10, true}, evaluations = {1e2, 1e6, true}, ms = {1e-2, 1e3, true};
+  const axis error = {1e-16, 10, true}, evaluations = {50, 1e6, true}, ms = {1e-2, 1e3, true};
   char title[96];
   snprintf(title, sizeof title, "%s: error at the end against evaluations of the field", courses[which].name);
   axes left = axes_new(c, evaluations, error, (const double[]){90, 50, 560, 570}, title, "evaluations",
