@@ -44,8 +44,15 @@ SKF_API void skf_tracer_free(skf_tracer *tracer);
    and of the coordinates; what is left there is counted as `grazing`. So with grazing = 0 no crossing is missed and
    none is invented, up to rounding of F. (The bounds: field/envelope.h.)
 
-   A hit is polished until |F - iso| is rounding of F or the coordinates cannot tell more. A ray that starts on the
-   surface, to rounding, does not hit its own start: its first hit is the next crossing.
+   Where all kernels are smooth (Cauchy, 1 / r, 1 / r^2, Gaussian) polynomials take the place of the field in the cells
+   of an octree, with bounds of what they, their slopes and second derivatives are off by: such a cell is passed, or
+   holds one crossing, when that is so for every function within those bounds. (lib/ray/model.h.) Cells are modelled
+   when the first ray comes to them: the first frame costs more than those after it.
+
+   A hit is polished until |F - iso| is rounding of F or the coordinates cannot tell more, by the field itself or by a
+   certified correction from the field beside it. Normals are those of the field's gradient to rounding, those of smooth
+   fields of more than 32 elements to 1e-8. A ray that starts on the surface, to rounding, does not hit its own start:
+   its first hit is the next crossing.
 
    All functions: SKF_ERR_ARG if the direction is zero or a number is not finite (t_max may be infinite). The report may
    be NULL. */
