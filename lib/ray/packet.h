@@ -25,6 +25,7 @@ typedef struct skf_packet {
   double shift[SKF_PACKET];     /* by which rounding may move places */
   unsigned alive, below, above; /* below, above: the sign of f just before the current cell, where it is known */
   int backwards;                /* a bit for each negative coordinate of the directions */
+  unsigned crossed;             /* lanes whose last crossing in a leaf with segments went inwards */
   unsigned walking;             /* lanes whose `walk` and `knot` are in use */
   skf_walk walk[SKF_PACKET];
   skf_knot knot[SKF_PACKET]; /* at the end of the last leaf without blobs */

@@ -79,14 +79,16 @@ static void take_hits(skf_packet *p, const skf_leaf *leaf, const skf_vd *from, c
   }
   for (; hits; hits &= hits - 1) {
     int k = __builtin_ctz(hits);
+    p->crossed = f[k] < 0 ? p->crossed | 1u << k : p->crossed & ~(1u << k);
     skf_packet_found(p, k, leaf, &(skf_knot){.t = t[k] + lo[k], .f = f[k]}, &(skf_knot){.t = t[k] + hi[k], .f = -f[k]},
                      t[k] + u[k]);
   }
 }
 
-/* All lanes through a leaf; only their first crossings are asked for. Returns those that are left to others. */
+/* The first crossing of each lane in a leaf. Returns those lanes that are left to others; *hi: where those that cross
+   are beyond. */
 SKF_INLINE unsigned first_in_blobs(skf_packet *p, const skf_leaf *leaf, const skf_vd *from, const skf_vd *to,
-                                   unsigned lanes) {
+                                   unsigned lanes, unsigned *hit, skf_vd *hi) {
   skf_ways ways;
   skf_outcome o;
   unsigned left = look_along(p, leaf, from, to, lanes, &ways);
@@ -98,8 +100,24 @@ SKF_INLINE unsigned first_in_blobs(skf_packet *p, const skf_leaf *leaf, const sk
   else if (left)
     in_points(4, p, leaf, &ways, left, &o);
   p->below = (p->below | o.below) & ~o.above, p->above = (p->above | o.above) & ~o.below;
+  *hit = o.hit;
   if (o.hit) take_hits(p, leaf, from, &o);
+  for (int v = 0; v < VECTORS; v++) hi[v] = from[v] + (o.hit ? o.hi[v] : vd_set(0));
   return left & ~(o.hit | o.below | o.above);
+}
+
+/* Every crossing: from beyond each on to the next. The same. */
+static unsigned all_in_blobs(skf_packet *p, const skf_leaf *leaf, skf_vd *from, const skf_vd *to, unsigned lanes) {
+  unsigned left = 0, hit;
+  while (lanes) {
+    skf_vd hi[VECTORS];
+    left |= first_in_blobs(p, leaf, from, to, lanes, &hit, hi);
+    lanes = hit & p->alive;
+    for (int v = 0; v < VECTORS; v++) from[v] = vd_select(lanes_on(lanes, v), hi[v], from[v]);
+    unsigned inside = p->crossed & lanes;
+    p->above = (p->above & ~lanes) | inside, p->below = (p->below & ~lanes) | (lanes & ~inside);
+  }
+  return left;
 }
 
 #endif

@@ -25,9 +25,15 @@ SKF_INLINE void settle(skf_packet *p, const span *s, unsigned lanes) {
 
 static void meet_blobs(skf_packet *p, const skf_leaf *leaf, const span *s, unsigned lanes) {
   double a[SKF_PACKET], b[SKF_PACKET];
-  unsigned left = p->first ? first_in_blobs(p, leaf, s->a, s->b, lanes) : lanes;
+  unsigned left = lanes, hit;
+  skf_vd from[VECTORS], hi[VECTORS];
+  for (int v = 0; v < VECTORS; v++) from[v] = s->a[v];
+  if (p->first)
+    left = first_in_blobs(p, leaf, from, s->b, lanes, &hit, hi);
+  else if (leaf->segments)
+    left = all_in_blobs(p, leaf, from, s->b, lanes);
   if (!left) return;
-  for (int v = 0; v < VECTORS; v++) vd_store(a + SKF_LANES * v, s->a[v]), vd_store(b + SKF_LANES * v, s->b[v]);
+  for (int v = 0; v < VECTORS; v++) vd_store(a + SKF_LANES * v, from[v]), vd_store(b + SKF_LANES * v, s->b[v]);
   for (; left; left &= left - 1) {
     int lane = __builtin_ctz(left);
     skf_packet_blobs(p, lane, leaf, a[lane], b[lane]);

@@ -153,7 +153,7 @@ static void board(skf_packet *p, int lane, const candidate *c) {
 
 static void set_out(const question *q, skf_packet *p) {
   p->tracer = q->tracer, p->first = q->first, p->exact = q->exact, p->found = q->found;
-  p->below = p->above = p->walking = 0, p->cells = p->looks = 0;
+  p->below = p->above = p->walking = p->crossed = 0, p->cells = p->looks = 0;
 }
 
 static void go(question *q, skf_packet *p, int lanes) {
