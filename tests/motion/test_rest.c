@@ -164,7 +164,7 @@ static void balls_on_an_incline(void **state) {
   for (int k = 0; k < 4; k++) {
     scene s = {.n = 0};
     place(&s, &e, 1, 2);
-    s.body[1].start.position.z = 0.5 + 2e-9;
+    s.body[1].start.position.z = 0.5; /* put down from 2e-9 above, it would lose some 2e-5 of the speed of a fall */
     begin(&s, (skf_rigid_options){
                   .gravity = {sin(a), 0, -cos(a)}, .friction = mu[k], .rolling = rolling[k], .restitution = 0.5});
     for (int i = 1; i <= 4; i++) go(&s, i);
