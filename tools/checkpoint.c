@@ -46,6 +46,14 @@ static skf_status get(void *user, void *bytes, size_t n) {
   return SKF_OK;
 }
 
+static skf_status save_runner(const void *run, skf_status (*write)(void *, const void *, size_t), void *user) {
+  return skf_runner_save(run, write, user);
+}
+static skf_status load_runner(void *run, skf_status (*read)(void *, void *, size_t), void *user) {
+  return skf_runner_load(run, read, user);
+}
+const checkpoint_kind checkpoint_of_runner = {save_runner, load_runner};
+
 uint64_t checkpoint_identity(const skf_scene *scene, const char *scene_path, const skf_world *world,
                              const skf_state *starts) {
   enum { PROBES = 1000 };
@@ -126,14 +134,14 @@ static int open_journal(checkpoint *c, const head *h) {
   return CLI_DONE;
 }
 
-int checkpoint_resume(checkpoint *c, skf_runner *runner, bool *complete) {
+int checkpoint_resume(checkpoint *c, void *run, bool *complete) {
   head h = {.complete = 0};
   summed f = {NULL, 1};
   bool leads = team_leads(c->crew);
   int status = team_agree(c->crew, leads ? open_state(c, &f, &h) : CLI_DONE);
   *complete = status == CLI_DONE && team_agree(c->crew, h.complete != 0);
   if (status == CLI_DONE && !*complete) {
-    skf_status s = skf_runner_load(runner, get, &f);
+    skf_status s = c->kind->load(run, get, &f);
     if (leads) status = end_state(c, &f, s);
     if (leads && status == CLI_DONE) status = open_journal(c, &h);
     status = team_agree(c->crew, status);
@@ -181,10 +189,10 @@ static int begin_saving(checkpoint *c, summed *f) {
   return begin_writing(c, f, &h);
 }
 
-int checkpoint_save(checkpoint *c, const skf_runner *runner) {
+int checkpoint_save(checkpoint *c, const void *run) {
   summed f = {NULL, 1};
   int status = team_agree(c->crew, team_leads(c->crew) ? begin_saving(c, &f) : CLI_DONE);
-  bool good = status == CLI_DONE && skf_runner_save(runner, put, &f) == SKF_OK;
+  bool good = status == CLI_DONE && c->kind->save(run, put, &f) == SKF_OK;
   if (f.file) {
     int ended = end_writing(c, &f, good);
     if (status == CLI_DONE) status = ended;
@@ -208,7 +216,7 @@ void checkpoint_close(checkpoint *c) {
 
 /* An entry: 'r', t, six numbers a particle; or 'c' and a contact. */
 
-static skf_status journal_put(checkpoint *c, char kind, const void *bytes, size_t n) {
+skf_status journal_put(checkpoint *c, char kind, const void *bytes, size_t n) {
   bool good = putc(kind, c->journal) != EOF && fwrite(bytes, 1, n, c->journal) == n;
   if (!good) broken(c->journal_path);
   return good ? SKF_OK : SKF_ERR_IO;

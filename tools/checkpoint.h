@@ -5,7 +5,16 @@
 
 #include "team.h"
 
+/* How a run is saved and loaded, see skf_runner_save and skf_runner_load. */
+typedef struct checkpoint_kind {
+  skf_status (*save)(const void *run, skf_status (*write)(void *user, const void *bytes, size_t n), void *user);
+  skf_status (*load)(void *run, skf_status (*read)(void *user, void *bytes, size_t n), void *user);
+} checkpoint_kind;
+
+extern const checkpoint_kind checkpoint_of_runner; /* an skf_runner */
+
 typedef struct checkpoint {
+  const checkpoint_kind *kind;
   const char *path;
   const team *crew; /* the first process has the files */
   char journal_path[4096];
@@ -21,15 +30,17 @@ uint64_t checkpoint_identity(const skf_scene *scene, const char *scene_path, con
 /* All processes call these three. */
 /* Begins anew, forgetting what the files held. CLI_DONE, or another status after the message, as all of these. */
 int checkpoint_begin(checkpoint *c);
-/* Continues where the file says, after checking that it is about this run: fills the runner and cuts the journal to its
+/* Continues where the file says, after checking that it is about this run: fills the run and cuts the journal to its
    length then. *complete: the run was over and its outputs written; nothing else happens. */
-int checkpoint_resume(checkpoint *c, skf_runner *runner, bool *complete);
+int checkpoint_resume(checkpoint *c, void *run, bool *complete);
 /* Puts the journal on the disk, then the state, under its name only when it is whole. */
-int checkpoint_save(checkpoint *c, const skf_runner *runner);
+int checkpoint_save(checkpoint *c, const void *run);
 /* Notes that the outputs are written, and removes the journal. */
 int checkpoint_complete(checkpoint *c);
 void checkpoint_close(checkpoint *c);
 
+/* An entry of another kind than those of particles, 'r' and 'c'. */
+skf_status journal_put(checkpoint *c, char kind, const void *bytes, size_t n);
 skf_status journal_row(checkpoint *c, double t, const skf_state *states);
 skf_status journal_contact(checkpoint *c, const skf_contact *contact);
 /* Hands everything in the journal on, in its order. */

@@ -352,7 +352,8 @@ static int keep_checkpoints(simulate *s) {
   if (!path) path = cli_value(s->c, "resume");
   s->kept = path != NULL, s->every = 60;
   if (!path) return CLI_DONE;
-  s->keep = (checkpoint){.path = path, .crew = &s->crew, .particles = s->table.scene->particle_count};
+  s->keep = (checkpoint){
+      .kind = &checkpoint_of_runner, .path = path, .crew = &s->crew, .particles = s->table.scene->particle_count};
   s->keep.identity = identity(s);
   return cli_number(s->c, "every-seconds", 0, &s->every);
 }

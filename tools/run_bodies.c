@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run_bodies.h"
 #include "same_shape.h"
+#include "checkpoint.h"
 #include "core/vec3.h"
 #include <math.h>
+#include <sys/stat.h>
+#include <time.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,8 +17,15 @@ typedef struct bodies {
   skf_swarm *swarm;
   cli_out rows, hits;
   bool log;
+  skf_rigid_state *states;
   size_t hit_count;
-  double still; /* row from which nothing moves */
+  double still;    /* row from which nothing moves */
+  double energy;   /* at the start */
+  uint64_t next;   /* row */
+  team alone;      /* this process */
+  checkpoint keep; /* where rows and hits go first, if kept */
+  bool kept;
+  double every, last; /* seconds between two checkpoints; when the last was written */
 } bodies;
 
 bool bodies_move(const skf_scene *scene) {
@@ -33,8 +43,6 @@ static int check(const cli *c, const skf_scene *scene) {
   static const char *const maps[] = {"contact-map", "contact-bins", "map-body", "map-step", "map-quantity"};
   for (size_t i = 0; i < sizeof maps / sizeof *maps; i++)
     if (cli_given(c, maps[i])) return cli_fail(CLI_BAD, "%s: bodies move, expected no --%s", path, maps[i]);
-  if (cli_given(c, "checkpoint") || cli_given(c, "resume") || cli_given(c, "every-seconds"))
-    return cli_fail(CLI_BAD, "%s: bodies move, expected no --checkpoint and no --resume", path);
   if (cli_given(c, "output") || cli_given(c, "ground-track") || cli_given(c, "json") || cli_given(c, "invariants") ||
       cli_given(c, "frame"))
     return cli_fail(CLI_BAD, "%s: bodies that move, expected --bodies and --contacts alone", path);
@@ -113,54 +121,159 @@ static void put(FILE *f, const double *x, int n) {
   for (int k = 0; k < n; k++) fputc(',', f), cli_put(f, x[k]);
 }
 
-static void row(const bodies *s, double t) {
+static void write_row(const bodies *s, double t, const skf_rigid_state *states) {
   FILE *f = s->rows.file;
   for (size_t i = 0; i < s->scene->body_count; i++) {
+    const skf_rigid_state *b = states + i;
     if (!s->scene->bodies[i].moves) continue;
-    skf_rigid_state b = skf_swarm_state(s->swarm, i);
     cli_put(f, t);
     fprintf(f, ",%s", s->scene->bodies[i].name);
-    put(f, &b.position.x, 3), put(f, b.q, 4), put(f, &b.velocity.x, 3), put(f, &b.angular_velocity.x, 3);
+    put(f, &b->position.x, 3), put(f, b->q, 4), put(f, &b->velocity.x, 3), put(f, &b->angular_velocity.x, 3);
     fputc('\n', f);
   }
+}
+
+static void write_hit(const bodies *s, const skf_rigid_hit *h) {
+  FILE *f = s->hits.file;
+  if (!s->log) return;
+  cli_put(f, h->t);
+  fprintf(f, ",%s,%s", s->scene->bodies[h->a].name, s->scene->bodies[h->b].name);
+  put(f, &h->at.x, 3), put(f, &h->normal.x, 3), put(f, &h->impulse.x, 3), put(f, &h->closing, 1);
+  fputc('\n', f);
+}
+
+static skf_status row(bodies *s, double t) {
+  size_t n = s->scene->body_count;
+  for (size_t i = 0; i < n; i++) s->states[i] = skf_swarm_state(s->swarm, i);
+  if (!s->kept) return write_row(s, t, s->states), SKF_OK;
+  skf_status bad = journal_put(&s->keep, 'b', &t, sizeof t);
+  for (size_t i = 0; i < n && !bad; i++) bad = journal_put(&s->keep, 's', s->states + i, sizeof *s->states);
+  return bad;
 }
 
 static skf_status take_hit(void *user, const skf_rigid_hit *h) {
   bodies *s = user;
   s->hit_count++;
+  if (s->kept) return journal_put(&s->keep, 'h', h, sizeof *h);
   if (cli_interrupted()) return SKF_ERR_CANCELLED;
-  if (!s->log) return SKF_OK;
-  FILE *f = s->hits.file;
-  cli_put(f, h->t);
-  fprintf(f, ",%s,%s", s->scene->bodies[h->a].name, s->scene->bodies[h->b].name);
-  put(f, &h->at.x, 3), put(f, &h->normal.x, 3), put(f, &h->impulse.x, 3), put(f, &h->closing, 1);
-  fputc('\n', f);
+  return write_hit(s, h), SKF_OK;
+}
+
+/* ---- Checkpoints ---- */
+
+typedef struct record {
+  uint64_t next, hits;
+  double still, energy;
+} record;
+
+static skf_status save(const void *run, skf_status (*write)(void *, const void *, size_t), void *user) {
+  const bodies *s = run;
+  record r = {s->next, s->hit_count, s->still, s->energy};
+  skf_status bad = write(user, &r, sizeof r);
+  return bad ? bad : skf_swarm_save(s->swarm, write, user);
+}
+
+static skf_status load(void *run, skf_status (*read)(void *, void *, size_t), void *user) {
+  bodies *s = run;
+  record r;
+  skf_status bad = read(user, &r, sizeof r);
+  if (bad) return bad;
+  s->next = r.next, s->hit_count = (size_t)r.hits, s->still = r.still, s->energy = r.energy;
+  return skf_swarm_load(s->swarm, read, user);
+}
+
+static const checkpoint_kind kind = {save, load};
+
+static double seconds(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static int check_checkpoint(const cli *c) {
+  const char *keep = cli_value(c, "checkpoint"), *resume = cli_value(c, "resume"), *file = keep ? keep : resume;
+  const char *rows = cli_value(c, "bodies"), *hits = cli_value(c, "contacts");
+  if (keep && resume && strcmp(keep, resume) != 0)
+    return cli_fail(CLI_BAD, "--checkpoint %s and --resume %s, expected the same file", keep, resume);
+  if (cli_given(c, "every-seconds") && !file) return cli_fail(CLI_BAD, "--every-seconds needs --checkpoint FILE");
+  if (file && ((rows && cli_same_file(file, rows)) || (hits && cli_same_file(file, hits)) ||
+               cli_same_file(file, cli_operand(c, 0))))
+    return cli_fail(CLI_BAD, "--checkpoint and another argument name the same file");
+  return CLI_DONE;
+}
+
+/* Begins, or goes on from a checkpoint; *over: there is nothing left to do. */
+static int begin(bodies *s, bool *over) {
+  const char *keep = cli_value(s->c, "checkpoint"), *resume = cli_value(s->c, "resume");
+  skf_rigid_sums first = skf_swarm_sums(s->swarm);
+  *over = false;
+  s->energy = first.kinetic + first.potential;
+  s->kept = keep || resume;
+  if (!s->kept) return CLI_DONE;
+  s->keep = (checkpoint){.kind = &kind, .crew = &s->alone, .path = keep ? keep : resume};
+  s->keep.identity = checkpoint_identity(s->scene, cli_operand(s->c, 0), NULL, NULL);
+  struct stat about;
+  bool anew = !resume || (keep && stat(resume, &about) != 0);
+  int status = anew ? checkpoint_begin(&s->keep) : checkpoint_resume(&s->keep, s, over);
+  if (status == CLI_DONE && anew) status = checkpoint_save(&s->keep, s);
+  s->last = seconds();
+  return status;
+}
+
+/* From the journal to the outputs. */
+static skf_status write_kept(bodies *s) {
+  FILE *f = s->keep.journal;
+  if (fflush(f) || fseeko(f, 0, SEEK_SET)) return SKF_ERR_IO;
+  for (int what; (what = getc(f)) != EOF;) {
+    double t;
+    skf_rigid_hit hit;
+    bool good = what == 'h' ? fread(&hit, sizeof hit, 1, f) == 1 : what == 'b' && fread(&t, sizeof t, 1, f) == 1;
+    for (size_t i = 0; i < s->scene->body_count && good && what == 'b'; i++)
+      good = getc(f) == 's' && fread(s->states + i, sizeof *s->states, 1, f) == 1;
+    if (!good) return SKF_ERR_IO;
+    if (what == 'h') write_hit(s, &hit);
+    if (what == 'b') write_row(s, t, s->states);
+  }
   return SKF_OK;
 }
 
-static int fly(bodies *s) {
+/* ---- The run ---- */
+
+static double time_of(const skf_simulation *sim, uint64_t row) {
+  double t = (double)row * sim->output_every;
+  return t > sim->t_end * (1 - 4e-16) ? sim->t_end : t; /* 4e-16: the rounding of the product */
+}
+
+static skf_status go_on(bodies *s) {
   const skf_simulation *sim = &s->scene->simulation;
-  skf_rigid_sums first = skf_swarm_sums(s->swarm);
   skf_progress progress = cli_progress("simulate");
   skf_status bad = SKF_OK;
-  double t = 0;
-  fputs("t,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n", s->rows.file);
-  if (s->log) fputs("t,body,other,x,y,z,nx,ny,nz,jx,jy,jz,closing\n", s->hits.file);
-  row(s, 0);
-  for (size_t k = 1; t < sim->t_end && !bad; k++) {
-    double next = (double)k * sim->output_every;
-    if (next > sim->t_end * (1 - 4e-16)) next = sim->t_end; /* 4e-16: the rounding of the product */
-    bad = skf_swarm_run(s->swarm, next, take_hit, s);
-    if (!bad) row(s, t = next);
-    if (!bad && skf_swarm_is_still(s->swarm)) s->still = fmin(s->still, t);
-    if (!bad && progress.report && progress.report(progress.user, t / sim->t_end)) bad = SKF_ERR_CANCELLED;
+  for (bool end = s->next > 0 && time_of(sim, s->next - 1) >= sim->t_end; !end && !bad;) {
+    double t = time_of(sim, s->next);
+    bad = skf_swarm_run(s->swarm, t, take_hit, s);
+    if (!bad) bad = row(s, t);
+    if (bad) break;
+    s->next++, end = t >= sim->t_end;
+    if (skf_swarm_is_still(s->swarm)) s->still = fmin(s->still, t);
+    bool stop =
+        cli_interrupted() || (progress.report && progress.report(progress.user, sim->t_end > 0 ? t / sim->t_end : 1));
+    if (stop && !end) bad = SKF_ERR_CANCELLED;
+    if (s->kept && !end && (bad || seconds() - s->last >= s->every)) {
+      if (checkpoint_save(&s->keep, s) != CLI_DONE) return SKF_ERR_IO;
+      s->last = seconds();
+    }
   }
   cli_progress_end();
+  return bad;
+}
+
+static int tell(const bodies *s, skf_status bad) {
   skf_rigid_sums last = skf_swarm_sums(s->swarm);
-  double E = first.kinetic + first.potential, e = last.kinetic + last.potential;
+  double e = last.kinetic + last.potential, t = s->next ? time_of(&s->scene->simulation, s->next - 1) : 0;
   cli_say("%zu hit%s to t = %.9g; energy %.9g at the start, %.9g at the end", s->hit_count,
-          s->hit_count == 1 ? "" : "s", t, E, e);
+          s->hit_count == 1 ? "" : "s", t, s->energy, e);
   if (s->still < INFINITY) cli_say("all bodies are at rest from t = %.9g on, or before", s->still);
+  if (bad == SKF_ERR_CANCELLED && s->kept) cli_say("skelfield: to go on: --resume %s", s->keep.path);
   if (bad == SKF_ERR_CANCELLED) return cli_fail(CLI_FAILED, "interrupted after t = %.9g, rows before are written", t);
   if (bad == SKF_ERR_CONVERGENCE)
     return cli_fail(CLI_FAILED, "a force or contacts that no step can follow, at t = %.17g, rows before are written",
@@ -168,22 +281,50 @@ static int fly(bodies *s) {
   return bad ? cli_fail_status(bad, "simulate") : CLI_DONE;
 }
 
-int run_bodies(const cli *c, const skf_scene *scene) {
-  bodies s = {.c = c, .scene = scene, .still = INFINITY};
-  const char *hits = cli_value(c, "contacts");
-  int status = check(c, scene);
-  if (status == CLI_DONE) status = prepare(&s);
-  if (status == CLI_DONE && hits) status = cli_out_open(&s.hits, hits), s.log = status == CLI_DONE;
-  if (status == CLI_DONE) {
-    status = cli_out_open(&s.rows, cli_value(c, "bodies"));
-    if (status == CLI_DONE) {
-      status = fly(&s);
-      int rows = cli_out_commit(&s.rows), log = s.log ? cli_out_commit(&s.hits) : CLI_DONE;
-      if (status == CLI_DONE) status = rows != CLI_DONE ? rows : log;
-    } else if (s.log) {
-      cli_out_abort(&s.hits);
-    }
+static int open_outputs(bodies *s) {
+  const char *hits = cli_value(s->c, "contacts");
+  int status = hits ? cli_out_open(&s->hits, hits) : CLI_DONE;
+  if (status != CLI_DONE) return status;
+  s->log = hits != NULL;
+  status = cli_out_open(&s->rows, cli_value(s->c, "bodies"));
+  if (status != CLI_DONE) {
+    if (s->log) cli_out_abort(&s->hits);
+    return status;
   }
+  fputs("t,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n", s->rows.file);
+  if (s->log) fputs("t,body,other,x,y,z,nx,ny,nz,jx,jy,jz,closing\n", s->hits.file);
+  return CLI_DONE;
+}
+
+static int fly(bodies *s) {
+  bool over;
+  int status = begin(s, &over);
+  if (status == CLI_DONE && over) cli_say("%s: the run is complete, its outputs are written", s->keep.path);
+  if (status != CLI_DONE || over) return status;
+  if (!s->kept && (status = open_outputs(s)) != CLI_DONE) return status;
+  skf_status bad = go_on(s);
+  if (s->kept) {
+    if (bad == SKF_ERR_IO) return CLI_FAILED;
+    if ((status = open_outputs(s)) != CLI_DONE) return status;
+    if (write_kept(s)) bad = SKF_ERR_IO;
+  }
+  status = tell(s, bad);
+  int rows = cli_out_commit(&s->rows), log = s->log ? cli_out_commit(&s->hits) : CLI_DONE;
+  if (status == CLI_DONE) status = rows != CLI_DONE ? rows : log;
+  return s->kept && status == CLI_DONE ? checkpoint_complete(&s->keep) : status;
+}
+
+int run_bodies(const cli *c, const skf_scene *scene) {
+  bodies s = {.c = c, .scene = scene, .still = INFINITY, .alone = {.size = 1}, .every = 60};
+  int status = check(c, scene);
+  if (status == CLI_DONE) status = check_checkpoint(c);
+  if (status == CLI_DONE) status = cli_number(c, "every-seconds", 0, &s.every);
+  if (status == CLI_DONE) status = prepare(&s);
+  s.states = calloc(scene->body_count, sizeof *s.states);
+  if (status == CLI_DONE && !s.states) status = cli_fail(CLI_FAILED, "out of memory");
+  if (status == CLI_DONE) status = fly(&s);
+  checkpoint_close(&s.keep);
+  free(s.states);
   skf_swarm_free(s.swarm);
   return status;
 }

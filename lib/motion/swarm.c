@@ -270,6 +270,37 @@ skf_status skf_swarm_run(skf_swarm *s, double t, skf_status (*told)(void *, cons
   return SKF_OK;
 }
 
+/* What a saved state begins with; the state vector follows. */
+typedef struct record {
+  double n, t, h, leaning, still, options[8];
+} record;
+
+static record record_of(const skf_swarm *s) {
+  const skf_rigid_options *o = &s->options;
+  return (record){
+      (double)s->n,
+      s->t,
+      s->h,
+      s->leaning,
+      s->still,
+      {o->G, o->gravity.x, o->gravity.y, o->gravity.z, o->tolerance, o->restitution, o->friction, o->rolling}};
+}
+
+skf_status skf_swarm_save(const skf_swarm *s, skf_status (*write)(void *, const void *, size_t), void *user) {
+  record r = record_of(s);
+  skf_status bad = write(user, &r, sizeof r);
+  return bad ? bad : write(user, s->y, s->n * SKF_MOVER_STATE * sizeof *s->y);
+}
+
+skf_status skf_swarm_load(skf_swarm *s, skf_status (*read)(void *, void *, size_t), void *user) {
+  record r, own = record_of(s);
+  skf_status bad = read(user, &r, sizeof r);
+  if (bad) return bad;
+  if (r.n != own.n || memcmp(r.options, own.options, sizeof r.options) != 0) return SKF_ERR_PARSE;
+  s->t = r.t, s->h = r.h, s->leaning = r.leaning != 0, s->still = (int)r.still;
+  return read(user, s->y, s->n * SKF_MOVER_STATE * sizeof *s->y);
+}
+
 bool skf_swarm_is_still(const skf_swarm *s) { return s->still >= SKF_STILL; }
 
 double skf_swarm_time(const skf_swarm *s) { return s->t; }

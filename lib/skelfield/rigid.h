@@ -182,6 +182,14 @@ SKF_API double skf_swarm_time(const skf_swarm *swarm);
 SKF_API skf_rigid_state skf_swarm_state(const skf_swarm *swarm, size_t body);
 SKF_API skf_rigid_sums skf_swarm_sums(const skf_swarm *swarm);
 
+/* Everything that the rest of a run depends on, as bytes for the same build of the library; a status of `write` other
+   than SKF_OK ends it. Between two calls of skf_swarm_run: what follows is the same, bit by bit. */
+SKF_API skf_status skf_swarm_save(const skf_swarm *swarm, skf_status (*write)(void *user, const void *bytes, size_t n),
+                                  void *user);
+/* The same into a new swarm of the same bodies and options; SKF_ERR_PARSE when they are of another number of bodies or
+   of other options, and then, as after a status of `read`, it is to be freed. */
+SKF_API skf_status skf_swarm_load(skf_swarm *swarm, skf_status (*read)(void *user, void *bytes, size_t n), void *user);
+
 #ifdef __cplusplus
 }
 #endif

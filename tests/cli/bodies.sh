@@ -59,6 +59,35 @@ run simulate rolls.yaml --bodies rolls.csv
 cp rolls.csv "$kept/out"
 expect "without rolling friction they go on" awk -F, 'NR == 22 && !($10 > 0.01) { exit 1 }' rolls.csv
 
+# Killed at random and resumed: the same bytes.
+sed 's/output_every: 0.1/output_every: 0.02/' aside.yaml >often.yaml
+run simulate often.yaml --bodies whole.csv --contacts whole-hits.csv
+run simulate often.yaml --bodies part.csv --contacts part-hits.csv --checkpoint part.ckpt
+expect_status "with checkpoints" 0
+expect_same "by way of the journal: the same bodies" whole.csv part.csv
+expect_same "and hits" whole-hits.csv part-hits.csv
+rm part.ckpt part.csv part-hits.csv
+kills=0
+while :; do
+  "$SKF_PROGRAM" simulate often.yaml --bodies part.csv --contacts part-hits.csv --checkpoint part.ckpt \
+    --resume part.ckpt --every-seconds 0.001 --threads $((1 + kills % 2)) </dev/null >/dev/null 2>"$kept/err" &
+  pid=$!
+  if [ $kills -lt 5 ]; then
+    sleep "$((RANDOM % 3)).$((RANDOM % 10))" # it weighs the bodies first
+    kill -9 $pid 2>/dev/null && kills=$((kills + 1))
+  fi
+  wait $pid 2>/dev/null && break
+  [ $kills -le 100 ] || break
+done
+ran="simulate --resume, killed $kills times" ran_status=0
+expect_same "$ran: the same bodies" whole.csv part.csv
+expect_same "the same hits" whole-hits.csv part-hits.csv
+expect "the journal is gone" [ ! -e part.ckpt.journal ]
+run simulate often.yaml --bodies again.csv --resume part.ckpt
+expect_status "a run that is complete is done" 0
+run simulate aside.yaml --bodies again.csv --resume part.ckpt
+expect_refused "a checkpoint of another scene" 'part.ckpt: a checkpoint of another scene'
+
 run simulate "$data/grazing.yaml" --bodies g.csv --contacts h.csv
 cp h.csv "$kept/out"
 expect_close "balls that overlap by 2e-6 at periapsis touch once" "$(rows)" 1 0
