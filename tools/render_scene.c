@@ -96,7 +96,9 @@ static void turn_body(const render_job *j, const skf_body *b, skf_render_body *o
 static int add_body(render_job *j, size_t i) {
   const skf_body *b = j->scene->bodies + i;
   skf_render_body *out = j->bodies + i;
-  skf_status s = j->mode == RENDER_OFFSET ? SKF_OK : skf_tracer_new(b->field, b->iso, j->tracers + i);
+  const skf_tracer_options options = {.normals = 1e-8};
+  skf_status s = SKF_OK;
+  if (j->mode != RENDER_OFFSET) s = skf_tracer_new_with(b->field, b->iso, &options, j->tracers + i);
   if (s) return cli_fail_status(s, b->name);
   *out = (skf_render_body){.tracer = j->tracers[i],
                            .looks = b->looks,

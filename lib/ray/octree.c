@@ -269,6 +269,8 @@ static bool is_smooth(const skf_octree *t, size_t n) {
   return smooth;
 }
 
+enum { FEW = 32 }; /* elements that are summed in no time */
+
 /* The top's part: no polynomial, all elements. */
 static bool open_smooth(skf_octree *t, size_t n) {
   skf_far_part *far = take(t, sizeof *far + n * sizeof *far->list);
@@ -277,7 +279,7 @@ static bool open_smooth(skf_octree *t, size_t n) {
   memset(&far->model, 0, sizeof far->model);
   far->count = (uint32_t)n;
   memcpy(far->list, t->all->list, n * sizeof *far->list);
-  *s = (skf_smooth){.field = t->field, .sources = t->sources, .iso = t->iso, .noise = t->noise, .few = n <= SKF_FEW};
+  *s = (skf_smooth){.field = t->field, .sources = t->sources, .iso = t->iso, .noise = t->noise, .few = n <= FEW};
   skf_chebyshev_init(&s->table, SLACK);
   t->smooth = s, t->all->far = far;
   return true;

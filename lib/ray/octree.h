@@ -14,9 +14,6 @@
 /* Blobs in a leaf at most. */
 enum { SKF_LEAF_BLOBS = 16 };
 
-/* Elements that are summed in no time. */
-enum { SKF_FEW = 32 };
-
 /* A cell that the surface may pass. Within it, to rounding: |grad F| <= slope, |Hess F| <= bend, |F''''| <= fourth, and
    where there are no blobs |F - iso - f - g . (p - center)| <= flat. */
 typedef struct skf_leaf {

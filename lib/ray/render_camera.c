@@ -137,7 +137,7 @@ enum { PROBE = 56 }; /* rays each way that look for the surface */
 /* Adds the places where the camera's rays meet the surface within the box; the box where there are none. */
 static skf_status add_surface(const skf_view *v, const skf_field *field, double iso, skf_box box, cloud *c) {
   skf_tracer *tracer;
-  skf_status status = skf_tracer_new(field, iso, &tracer);
+  skf_status status = skf_tracer_new_with(field, iso, &(skf_tracer_options){.normals = 1e-3}, &tracer);
   size_t before = c->n;
   for (int k = 0; k < PROBE * PROBE && !status; k++) {
     int row = k / PROBE;

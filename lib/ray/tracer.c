@@ -142,12 +142,18 @@ static skf_status fill(skf_tracer *t) {
 }
 
 skf_status skf_tracer_new(const skf_field *field, double iso, skf_tracer **out) {
+  return skf_tracer_new_with(field, iso, NULL, out);
+}
+
+skf_status skf_tracer_new_with(const skf_field *field, double iso, const skf_tracer_options *options,
+                               skf_tracer **out) {
+  double normals = options ? options->normals : 0;
   *out = NULL;
-  if (!isfinite(iso)) return SKF_ERR_ARG;
+  if (!isfinite(iso) || !(normals >= 0 && normals <= 1e-3)) return SKF_ERR_ARG;
   if (!skf_field_has_bound(field, NULL)) return SKF_ERR_UNSUPPORTED;
   skf_tracer *t = skf_alloc(1, sizeof *t);
   if (!t) return SKF_ERR_NOMEM;
-  t->field = field, t->iso = iso, t->noise = 2 * DBL_EPSILON, t->isa = skf_isa_pick();
+  t->field = field, t->iso = iso, t->normals = normals, t->noise = 2 * DBL_EPSILON, t->isa = skf_isa_pick();
   skf_status s = fill(t);
   if (s) return skf_tracer_free(t), s;
   return *out = t, SKF_OK;

@@ -187,9 +187,8 @@ static double inverse_step(const skf_knot *p, const skf_knot *q) {
   return r * r * (1 + 2 * s) * p->t + s * s * (1 + 2 * r) * q->t + h * s * r * (r / p->slope - s / q->slope);
 }
 
-/* How exact normals have to be. Few elements are summed once more for it. */
-#define STRAIGHT        1e-14
-#define NEARLY_STRAIGHT 1e-8
+/* Normals that are off by less are right to rounding. */
+#define STRAIGHT 1e-14
 /* By which two more derivatives of a polynomial on [-1, 1] may exceed it. */
 #define MARKOV (SKF_DEGREE * SKF_DEGREE * (SKF_DEGREE * SKF_DEGREE - 1) / 3.)
 
@@ -210,7 +209,7 @@ bool skf_walk_settle(const skf_walk *w, double guess, const skf_knot *k, skf_kno
   if (near || !good) return near;
   double steep = v3_norm(k->gradient);
   if (fabs(s) * w->leaf->bend <= STRAIGHT * steep) return true;
-  if (w->tracer->n <= SKF_FEW || !(fabs(s) * off <= NEARLY_STRAIGHT * steep)) return false;
+  if (!(fabs(s) * off < w->tracer->normals * steep)) return false;
   root->gradient = v3_add(k->gradient, skf_patch_turn(w->leaf, k->at, root->at));
   return true;
 }

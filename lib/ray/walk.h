@@ -19,7 +19,8 @@ struct skf_tracer {
   skf_blob *blobs;  /* of the sources; see skf_octree_new */
   skf_octree *tree; /* of the region, or NULL */
   skf_isa isa;
-  double noise; /* relative rounding error of F against the sum of the elements' magnitudes */
+  double normals; /* see skf_tracer_options */
+  double noise;   /* relative rounding error of F against the sum of the elements' magnitudes */
 };
 
 /* The field at one place of the ray. */

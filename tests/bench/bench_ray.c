@@ -119,7 +119,7 @@ static void report(const bench_scene *s, int size, const char *other) {
   for (int run = 0; run < RUNS; run++) { /* with a tracer that has seen no rays, and again */
     skf_tracer_free(t), t = NULL;
     double start = cpu();
-    if (skf_tracer_new(f, s->iso, &t)) exit(1);
+    if (skf_tracer_new_with(f, s->iso, &(skf_tracer_options){.normals = 1e-8}, &t)) exit(1); /* as render */
     double made = cpu();
     skf_tracer_first_many(t, p.n, p.rays, p.hits, p.found, NULL);
     double first = cpu();

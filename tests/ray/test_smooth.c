@@ -4,6 +4,7 @@
 #include "field/some.h"
 #include "random.h"
 #include "ray/smooth.h"
+#include "skelfield/ray.h"
 #include <stdlib.h>
 
 enum { ELEMENTS = 5, CELLS = 60, PLACES = 20 };
@@ -109,7 +110,53 @@ static void margins(void **unused) {
   for (int k = 0; k < 4; k++) assert_true(leaves[k] > 100);
 }
 
+/* Normals of many elements: to rounding, or as far off as the options allow; the hits are the same. */
+static void normals(void **unused) {
+  (void)unused;
+  enum { MANY = 60, RAYS = 400 };
+  uint64_t state = 5;
+  for (int kind = 0; kind < 4; kind++) {
+    skf_element e[MANY];
+    skf_field *f;
+    skf_tracer *t[2];
+    for (int i = 0; i < MANY; i++) {
+      e[i] = (skf_element){.kernel = {kernels[kind], 3}, .strength = 1};
+      rnd_primitive(&state, shapes[i % 2], 1, &e[i].primitive);
+    }
+    assert_int_equal(skf_field_new(e, MANY, &f), SKF_OK);
+    double iso = skf_field_at(f, v3(1.1, 0.2, 0.1), NULL);
+    assert_int_equal(skf_tracer_new(f, iso, t), SKF_OK);
+    assert_int_equal(skf_tracer_new_with(f, iso, &(skf_tracer_options){.normals = 1e-8}, t + 1), SKF_OK);
+    size_t hits = 0;
+    for (int i = 0; i < RAYS; i++) {
+      skf_ray ray = {v3_scale(4, rnd_unit(&state)), v3(0, 0, 0), 0, INFINITY};
+      ray.direction = v3_sub(rnd_vec(&state, 1), ray.origin);
+      skf_hit hit[2], all[8];
+      bool found[2];
+      size_t n;
+      for (int k = 0; k < 2; k++) assert_int_equal(skf_tracer_first(t[k], &ray, hit + k, found + k, NULL), SKF_OK);
+      assert_int_equal(skf_tracer_all(t[0], &ray, 8, all, &n, NULL), SKF_OK);
+      assert_true(found[0] == found[1] && found[0] == (n > 0));
+      if (!n) continue;
+      hits++;
+      for (int k = 0; k < 3; k++) {
+        skf_vec3 g, at = k < 2 ? hit[k].at : all[0].at, normal = k < 2 ? hit[k].normal : all[0].normal;
+        skf_field_at(f, at, &g);
+        assert_true(v3_norm(v3_add(normal, v3_unit(g))) <= (k == 1 ? 1e-8 : 1e-13));
+        assert_true(v3_norm(v3_sub(at, hit[0].at)) <= 1e-14);
+      }
+    }
+    assert_true(hits > RAYS / 4);
+    skf_tracer *none;
+    for (int k = 0; k < 3; k++)
+      assert_int_equal(skf_tracer_new_with(f, iso, &(skf_tracer_options){(double[]){-1, 0.1, NAN}[k]}, &none),
+                       SKF_ERR_ARG);
+    for (int k = 0; k < 2; k++) skf_tracer_free(t[k]);
+    skf_field_free(f);
+  }
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(margins)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(margins), cmocka_unit_test(normals)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
