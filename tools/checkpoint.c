@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const char magic[16] = "skelfield ckpt 1";
@@ -74,6 +75,24 @@ uint64_t checkpoint_identity(const skf_scene *scene, const char *scene_path, con
 
 static int broken(const char *what) { return cli_fail(CLI_FAILED, "%s: %s", what, strerror(errno)); }
 
+int checkpoint_options(checkpoint *c, const cli *line, const char *const *outputs, int output_count) {
+  const char *keep = cli_value(line, "checkpoint"), *resume = cli_value(line, "resume");
+  struct stat about;
+  if (keep && resume && strcmp(keep, resume) != 0)
+    return cli_fail(CLI_BAD, "--checkpoint %s and --resume %s, expected the same file", keep, resume);
+  c->path = keep ? keep : resume, c->every = 60;
+  if (!c->path)
+    return cli_given(line, "every-seconds") ? cli_fail(CLI_BAD, "--every-seconds needs --checkpoint FILE") : CLI_DONE;
+  c->anew = !resume || (keep && stat(resume, &about) != 0);
+  bool taken = cli_same_file(c->path, cli_operand(line, 0));
+  for (int i = 0; i < output_count; i++) {
+    const char *other = cli_value(line, outputs[i]);
+    taken = taken || (other && cli_same_file(c->path, other));
+  }
+  if (taken) return cli_fail(CLI_BAD, "--checkpoint and another argument name the same file");
+  return cli_number(line, "every-seconds", 0, &c->every);
+}
+
 static int name_journal(checkpoint *c) {
   int n = snprintf(c->journal_path, sizeof c->journal_path, "%s.journal", c->path);
   if (n < (int)sizeof c->journal_path) return CLI_DONE;
@@ -87,8 +106,6 @@ static int begin(checkpoint *c) {
   c->journal = fopen(c->journal_path, "w+b");
   return c->journal ? CLI_DONE : broken(c->journal_path);
 }
-
-int checkpoint_begin(checkpoint *c) { return team_agree(c->crew, team_leads(c->crew) ? begin(c) : CLI_DONE); }
 
 static int foreign(const checkpoint *c, const char *what, const char *wanted) {
   return cli_fail(CLI_BAD, "%s: %s, expected %s", c->path, what, wanted);
@@ -134,7 +151,7 @@ static int open_journal(checkpoint *c, const head *h) {
   return CLI_DONE;
 }
 
-int checkpoint_resume(checkpoint *c, void *run, bool *complete) {
+static int resume(checkpoint *c, void *run, bool *complete) {
   head h = {.complete = 0};
   summed f = {NULL, 1};
   bool leads = team_leads(c->crew);
@@ -189,6 +206,19 @@ static int begin_saving(checkpoint *c, summed *f) {
   return begin_writing(c, f, &h);
 }
 
+int checkpoint_start(checkpoint *c, void *run, bool *complete) {
+  bool leads = team_leads(c->crew);
+  *complete = false;
+  if (!team_agree(c->crew, leads && c->anew)) {
+    c->last = cli_seconds();
+    return resume(c, run, complete);
+  }
+  int status = team_agree(c->crew, leads ? begin(c) : CLI_DONE);
+  return status == CLI_DONE ? checkpoint_save(c, run) : status;
+}
+
+bool checkpoint_due(const checkpoint *c) { return c->path && cli_seconds() - c->last >= c->every; }
+
 int checkpoint_save(checkpoint *c, const void *run) {
   summed f = {NULL, 1};
   int status = team_agree(c->crew, team_leads(c->crew) ? begin_saving(c, &f) : CLI_DONE);
@@ -197,6 +227,7 @@ int checkpoint_save(checkpoint *c, const void *run) {
     int ended = end_writing(c, &f, good);
     if (status == CLI_DONE) status = ended;
   }
+  c->last = cli_seconds();
   return team_agree(c->crew, status);
 }
 

@@ -15,8 +15,10 @@ extern const checkpoint_kind checkpoint_of_runner; /* an skf_runner */
 
 typedef struct checkpoint {
   const checkpoint_kind *kind;
-  const char *path;
-  const team *crew; /* the first process has the files */
+  const char *path;   /* NULL: nothing is kept */
+  bool anew;          /* forgets what the file held */
+  double every, last; /* seconds between two; the clock when the last one was written */
+  const team *crew;   /* the first process has the files */
   char journal_path[4096];
   size_t particles;
   uint64_t identity; /* of the scene and what flies in it */
@@ -27,14 +29,18 @@ typedef struct checkpoint {
 uint64_t checkpoint_identity(const skf_scene *scene, const char *scene_path, const skf_world *world,
                              const skf_state *starts);
 
-/* All processes call these three. */
-/* Begins anew, forgetting what the files held. CLI_DONE, or another status after the message, as all of these. */
-int checkpoint_begin(checkpoint *c);
-/* Continues where the file says, after checking that it is about this run: fills the run and cuts the journal to its
-   length then. *complete: the run was over and its outputs written; nothing else happens. */
-int checkpoint_resume(checkpoint *c, void *run, bool *complete);
+/* From --checkpoint, --resume and --every-seconds: path, anew and every. Refuses the names of the scene and of what
+   these options write. CLI_DONE, or another status after the message, as all of these. */
+int checkpoint_options(checkpoint *c, const cli *line, const char *const *outputs, int output_count);
+
+/* All processes call these two. */
+/* Begins, or continues where the file says, after checking that it is about this run: fills the run and cuts the
+   journal to its length then. *complete: the run was over and its outputs written; nothing else happens. */
+int checkpoint_start(checkpoint *c, void *run, bool *complete);
 /* Puts the journal on the disk, then the state, under its name only when it is whole. */
 int checkpoint_save(checkpoint *c, const void *run);
+/* Whether it is time for that. */
+bool checkpoint_due(const checkpoint *c);
 /* Notes that the outputs are written, and removes the journal. */
 int checkpoint_complete(checkpoint *c);
 void checkpoint_close(checkpoint *c);

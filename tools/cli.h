@@ -69,6 +69,9 @@ void cli_out_abort(cli_out *o);
 /* Whether two names are one regular file, now or when both have been written. */
 bool cli_same_file(const char *a, const char *b);
 
+/* A clock that never goes back [s]. */
+double cli_seconds(void);
+
 /* A number with 17 significant digits, as every CSV here has it. */
 void cli_put(FILE *f, double x);
 

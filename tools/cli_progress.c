@@ -12,7 +12,7 @@ static struct {
   const char *label;
 } bar;
 
-static double now(void) {
+double cli_seconds(void) {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
@@ -43,7 +43,7 @@ static void draw(double done, double time) {
 static int report(void *user, double done) {
   (void)user;
   if (bar.active && bar.terminal) {
-    double time = now();
+    double time = cli_seconds();
     if (time - bar.last >= 0.1) { /* a faster bar is only flicker */
       draw(fmin(fmax(done, 0), 1), time);
       bar.last = time;
@@ -57,7 +57,7 @@ skf_progress cli_progress(const char *label) {
   bar.active = true;
   bar.terminal = !cli_is_muted() && isatty(STDERR_FILENO);
   bar.drawn = false;
-  bar.start = bar.last = now();
+  bar.start = bar.last = cli_seconds();
   bar.label = label;
   cli_polite(true);
   return (skf_progress){report, NULL};

@@ -12,8 +12,6 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <time.h>
 
 /* Everything that a run holds. */
 typedef struct simulate {
@@ -37,9 +35,7 @@ typedef struct simulate {
   contact_map map; /* where they lie on a body */
   int output_status;
   run_summary sum;
-  bool kept; /* with checkpoints */
   checkpoint keep;
-  double every, last; /* seconds between checkpoints, the clock at the last one */
   skf_progress bar;
 } simulate;
 
@@ -116,15 +112,6 @@ static int check(const cli *c, const skf_scene *scene) {
     return cli_fail(CLI_BAD, "--contacts - needs stdout for itself, expected a file name");
   if (contacts && out && !to_stdout(out) && cli_same_file(out, contacts))
     return cli_fail(CLI_BAD, "-o and --contacts name the same file");
-  const char *keep = cli_value(c, "checkpoint"), *resume = cli_value(c, "resume");
-  if (keep && resume && strcmp(keep, resume) != 0)
-    return cli_fail(CLI_BAD, "--checkpoint %s and --resume %s, expected the same file", keep, resume);
-  if (cli_given(c, "every-seconds") && !keep && !resume)
-    return cli_fail(CLI_BAD, "--every-seconds needs --checkpoint FILE");
-  const char *file = keep ? keep : resume;
-  if (file &&
-      ((out && cli_same_file(file, out)) || (contacts && cli_same_file(file, contacts)) || cli_same_file(file, path)))
-    return cli_fail(CLI_BAD, "--checkpoint and another argument name the same file");
   return CLI_DONE;
 }
 
@@ -208,16 +195,10 @@ static int complain(const simulate *s, skf_status ended, const skf_run_failure *
   return cli_fail_status(ended, "simulate");
 }
 
-static double seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* Whether this process wants to stop: for an interrupt, or for the next checkpoint. */
 static bool wants_stop(void *user) {
   const simulate *s = user;
-  return cli_interrupted() || (s->kept && team_leads(&s->crew) && seconds() - s->last >= s->every);
+  return cli_interrupted() || (team_leads(&s->crew) && checkpoint_due(&s->keep));
 }
 
 static int watch(void *user, double done) {
@@ -241,10 +222,9 @@ static int fly_on(simulate *s, skf_runner *runner, const skf_run_sink *sink, skf
     team_begin(&s->crew, wants_stop, s);
     *ended = skf_runner_fly(runner, sink, &progress, where);
     team_end(&s->crew);
-    if (!s->kept || *ended == SKF_ERR_IO || team_lost(&s->crew)) return CLI_DONE;
+    if (!s->keep.path || *ended == SKF_ERR_IO || team_lost(&s->crew)) return CLI_DONE;
     bool asked = team_agree(&s->crew, cli_interrupted()) != 0;
     int status = checkpoint_save(&s->keep, runner);
-    s->last = seconds();
     if (status != CLI_DONE || *ended != SKF_ERR_CANCELLED || asked) return status;
   }
 }
@@ -252,17 +232,9 @@ static int fly_on(simulate *s, skf_runner *runner, const skf_run_sink *sink, skf
 /* The run itself: made, or found in a checkpoint. *over: there is nothing left to do. */
 static int start(simulate *s, const skf_run *run, skf_runner **runner, bool *over, skf_status *ended,
                  skf_run_failure *where) {
-  const char *resume = cli_value(s->c, "resume");
   *over = false;
   *ended = skf_runner_new(s->world, run, runner, where);
-  if (*ended || !s->kept) return CLI_DONE;
-  struct stat about;
-  bool begin = !resume || (cli_given(s->c, "checkpoint") && stat(resume, &about) != 0);
-  begin = team_agree(&s->crew, begin && team_leads(&s->crew)) != 0;
-  int status = begin ? checkpoint_begin(&s->keep) : checkpoint_resume(&s->keep, *runner, over);
-  if (status == CLI_DONE && begin) status = checkpoint_save(&s->keep, *runner);
-  s->last = seconds();
-  return status;
+  return *ended || !s->keep.path ? CLI_DONE : checkpoint_start(&s->keep, *runner, over);
 }
 
 /* From the journal to the outputs. */
@@ -278,8 +250,8 @@ static int finish(simulate *s, skf_status ended, const skf_run_failure *where) {
   int closed = close_outputs(s, keep);
   s->trajectory = NULL, s->log = false;
   if (s->output_status != CLI_DONE) status = s->output_status;
-  if (s->kept && status == CLI_DONE && closed == CLI_DONE) status = checkpoint_complete(&s->keep);
-  if (s->kept && ended == SKF_ERR_CANCELLED) cli_say("skelfield: to go on: --resume %s", s->keep.path);
+  if (s->keep.path && status == CLI_DONE && closed == CLI_DONE) status = checkpoint_complete(&s->keep);
+  if (s->keep.path && ended == SKF_ERR_CANCELLED) cli_say("skelfield: to go on: --resume %s", s->keep.path);
   if (keep && closed == CLI_DONE && !team_lost(&s->crew))
     run_summary_tell(&s->sum, scene, s->reports, cli_given(s->c, "json"));
   return status != CLI_DONE ? status : closed;
@@ -327,8 +299,8 @@ static int fly(simulate *s) {
   int status = start(s, &run, &runner, &over, &ended, &where);
   if (status == CLI_DONE && over) cli_say("%s: the run is complete, its outputs are written", s->keep.path);
   if (status == CLI_DONE && !over && !ended) {
-    if (!s->kept) status = open_outputs(s);
-    if (status == CLI_DONE) status = fly_on(s, runner, s->kept ? &journal : &direct, &ended, &where);
+    if (!s->keep.path) status = open_outputs(s);
+    if (status == CLI_DONE) status = fly_on(s, runner, s->keep.path ? &journal : &direct, &ended, &where);
     if (status == CLI_DONE) skf_runner_reports(runner, s->reports); /* or a process is lost */
   }
   skf_runner_free(runner);
@@ -348,14 +320,11 @@ static uint64_t identity(const simulate *s) {
 }
 
 static int keep_checkpoints(simulate *s) {
-  const char *path = cli_value(s->c, "checkpoint");
-  if (!path) path = cli_value(s->c, "resume");
-  s->kept = path != NULL, s->every = 60;
-  if (!path) return CLI_DONE;
-  s->keep = (checkpoint){
-      .kind = &checkpoint_of_runner, .path = path, .crew = &s->crew, .particles = s->table.scene->particle_count};
-  s->keep.identity = identity(s);
-  return cli_number(s->c, "every-seconds", 0, &s->every);
+  static const char *const outputs[] = {"output", "contacts", "contact-map", "contact-bins"};
+  s->keep = (checkpoint){.kind = &checkpoint_of_runner, .crew = &s->crew, .particles = s->table.scene->particle_count};
+  int status = checkpoint_options(&s->keep, s->c, outputs, 4);
+  if (s->keep.path) s->keep.identity = identity(s);
+  return status;
 }
 
 static int ready(simulate *s, const skf_scene *scene) {

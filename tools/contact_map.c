@@ -72,7 +72,7 @@ static int choose_quantity(contact_map *m, const cli *c) {
 }
 
 static int choose_files(contact_map *m, const cli *c) {
-  static const char *const others[] = {"output", "contacts", "contact-bins", "checkpoint", "resume"};
+  static const char *const others[] = {"output", "contacts", "contact-bins"};
   m->picture_path = cli_value(c, "contact-map"), m->table_path = cli_value(c, "contact-bins");
   for (int k = 0; k < 2; k++) {
     const char *path = k ? m->table_path : m->picture_path;

@@ -4,8 +4,6 @@
 #include "checkpoint.h"
 #include "core/vec3.h"
 #include <math.h>
-#include <sys/stat.h>
-#include <time.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,8 +22,6 @@ typedef struct bodies {
   uint64_t next;   /* row */
   team alone;      /* this process */
   checkpoint keep; /* where rows and hits go first, if kept */
-  bool kept;
-  double every, last; /* seconds between two checkpoints; when the last was written */
 } bodies;
 
 bool bodies_move(const skf_scene *scene) {
@@ -145,7 +141,7 @@ static void write_hit(const bodies *s, const skf_rigid_hit *h) {
 static skf_status row(bodies *s, double t) {
   size_t n = s->scene->body_count;
   for (size_t i = 0; i < n; i++) s->states[i] = skf_swarm_state(s->swarm, i);
-  if (!s->kept) return write_row(s, t, s->states), SKF_OK;
+  if (!s->keep.path) return write_row(s, t, s->states), SKF_OK;
   skf_status bad = journal_put(&s->keep, 'b', &t, sizeof t);
   for (size_t i = 0; i < n && !bad; i++) bad = journal_put(&s->keep, 's', s->states + i, sizeof *s->states);
   return bad;
@@ -154,7 +150,7 @@ static skf_status row(bodies *s, double t) {
 static skf_status take_hit(void *user, const skf_rigid_hit *h) {
   bodies *s = user;
   s->hit_count++;
-  if (s->kept) return journal_put(&s->keep, 'h', h, sizeof *h);
+  if (s->keep.path) return journal_put(&s->keep, 'h', h, sizeof *h);
   if (cli_interrupted()) return SKF_ERR_CANCELLED;
   return write_hit(s, h), SKF_OK;
 }
@@ -184,40 +180,14 @@ static skf_status load(void *run, skf_status (*read)(void *, void *, size_t), vo
 
 static const checkpoint_kind kind = {save, load};
 
-static double seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static int check_checkpoint(const cli *c) {
-  const char *keep = cli_value(c, "checkpoint"), *resume = cli_value(c, "resume"), *file = keep ? keep : resume;
-  const char *rows = cli_value(c, "bodies"), *hits = cli_value(c, "contacts");
-  if (keep && resume && strcmp(keep, resume) != 0)
-    return cli_fail(CLI_BAD, "--checkpoint %s and --resume %s, expected the same file", keep, resume);
-  if (cli_given(c, "every-seconds") && !file) return cli_fail(CLI_BAD, "--every-seconds needs --checkpoint FILE");
-  if (file && ((rows && cli_same_file(file, rows)) || (hits && cli_same_file(file, hits)) ||
-               cli_same_file(file, cli_operand(c, 0))))
-    return cli_fail(CLI_BAD, "--checkpoint and another argument name the same file");
-  return CLI_DONE;
-}
-
 /* Begins, or goes on from a checkpoint; *over: there is nothing left to do. */
 static int begin(bodies *s, bool *over) {
-  const char *keep = cli_value(s->c, "checkpoint"), *resume = cli_value(s->c, "resume");
   skf_rigid_sums first = skf_swarm_sums(s->swarm);
   *over = false;
   s->energy = first.kinetic + first.potential;
-  s->kept = keep || resume;
-  if (!s->kept) return CLI_DONE;
-  s->keep = (checkpoint){.kind = &kind, .crew = &s->alone, .path = keep ? keep : resume};
+  if (!s->keep.path) return CLI_DONE;
   s->keep.identity = checkpoint_identity(s->scene, cli_operand(s->c, 0), NULL, NULL);
-  struct stat about;
-  bool anew = !resume || (keep && stat(resume, &about) != 0);
-  int status = anew ? checkpoint_begin(&s->keep) : checkpoint_resume(&s->keep, s, over);
-  if (status == CLI_DONE && anew) status = checkpoint_save(&s->keep, s);
-  s->last = seconds();
-  return status;
+  return checkpoint_start(&s->keep, s, over);
 }
 
 /* From the journal to the outputs. */
@@ -258,10 +228,8 @@ static skf_status go_on(bodies *s) {
     bool stop =
         cli_interrupted() || (progress.report && progress.report(progress.user, sim->t_end > 0 ? t / sim->t_end : 1));
     if (stop && !end) bad = SKF_ERR_CANCELLED;
-    if (s->kept && !end && (bad || seconds() - s->last >= s->every)) {
-      if (checkpoint_save(&s->keep, s) != CLI_DONE) return SKF_ERR_IO;
-      s->last = seconds();
-    }
+    if (s->keep.path && !end && (bad || checkpoint_due(&s->keep)) && checkpoint_save(&s->keep, s) != CLI_DONE)
+      bad = SKF_ERR_IO;
   }
   cli_progress_end();
   return bad;
@@ -273,7 +241,7 @@ static int tell(const bodies *s, skf_status bad) {
   cli_say("%zu hit%s to t = %.9g; energy %.9g at the start, %.9g at the end", s->hit_count,
           s->hit_count == 1 ? "" : "s", t, s->energy, e);
   if (s->still < INFINITY) cli_say("all bodies are at rest from t = %.9g on, or before", s->still);
-  if (bad == SKF_ERR_CANCELLED && s->kept) cli_say("skelfield: to go on: --resume %s", s->keep.path);
+  if (bad == SKF_ERR_CANCELLED && s->keep.path) cli_say("skelfield: to go on: --resume %s", s->keep.path);
   if (bad == SKF_ERR_CANCELLED) return cli_fail(CLI_FAILED, "interrupted after t = %.9g, rows before are written", t);
   if (bad == SKF_ERR_CONVERGENCE)
     return cli_fail(CLI_FAILED, "a force or contacts that no step can follow, at t = %.17g, rows before are written",
@@ -301,9 +269,9 @@ static int fly(bodies *s) {
   int status = begin(s, &over);
   if (status == CLI_DONE && over) cli_say("%s: the run is complete, its outputs are written", s->keep.path);
   if (status != CLI_DONE || over) return status;
-  if (!s->kept && (status = open_outputs(s)) != CLI_DONE) return status;
+  if (!s->keep.path && (status = open_outputs(s)) != CLI_DONE) return status;
   skf_status bad = go_on(s);
-  if (s->kept) {
+  if (s->keep.path) {
     if (bad == SKF_ERR_IO) return CLI_FAILED;
     if ((status = open_outputs(s)) != CLI_DONE) return status;
     if (write_kept(s)) bad = SKF_ERR_IO;
@@ -311,14 +279,15 @@ static int fly(bodies *s) {
   status = tell(s, bad);
   int rows = cli_out_commit(&s->rows), log = s->log ? cli_out_commit(&s->hits) : CLI_DONE;
   if (status == CLI_DONE) status = rows != CLI_DONE ? rows : log;
-  return s->kept && status == CLI_DONE ? checkpoint_complete(&s->keep) : status;
+  return s->keep.path && status == CLI_DONE ? checkpoint_complete(&s->keep) : status;
 }
 
 int run_bodies(const cli *c, const skf_scene *scene) {
-  bodies s = {.c = c, .scene = scene, .still = INFINITY, .alone = {.size = 1}, .every = 60};
+  static const char *const outputs[] = {"bodies", "contacts"};
+  bodies s = {.c = c, .scene = scene, .still = INFINITY, .alone = {.size = 1}};
+  s.keep = (checkpoint){.kind = &kind, .crew = &s.alone};
   int status = check(c, scene);
-  if (status == CLI_DONE) status = check_checkpoint(c);
-  if (status == CLI_DONE) status = cli_number(c, "every-seconds", 0, &s.every);
+  if (status == CLI_DONE) status = checkpoint_options(&s.keep, c, outputs, 2);
   if (status == CLI_DONE) status = prepare(&s);
   s.states = calloc(scene->body_count, sizeof *s.states);
   if (status == CLI_DONE && !s.states) status = cli_fail(CLI_FAILED, "out of memory");
