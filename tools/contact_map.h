@@ -31,14 +31,6 @@ typedef struct contact_map {
   bool picture_open, table_open;
 } contact_map;
 
-/* The options that the commands with such a map have. */
-#define CONTACT_MAP_OPTIONS                                                                                            \
-  {'m', "contact-map", "MAP.png", "a picture of where on a body contacts lie, by latitude and longitude"},             \
-      {0, "contact-bins", "BINS.csv", "the same as a table"},                                                          \
-      {0, "map-body", "BODY", "of these two (default: the first body)"},                                               \
-      {0, "map-step", "DEG", "height of the bins of these two (default: 5)"},                                          \
-      {0, "map-quantity", "NAME", "that the picture shows: density (default) or speed"},
-
 /* From the command line: CLI_DONE without work when neither file is wanted, or another status after the message. */
 int contact_map_new(contact_map *m, const cli *c, const skf_scene *scene, const skf_world *world);
 bool contact_map_wanted(const contact_map *m);
