@@ -23,7 +23,7 @@ static void pull_block(const skf_pullers *s, block *t) {
       skf_vi here = r2 == vd_set(0);
       skf_vd r = vd_sqrt(r2), w = vd_select(here, vd_set(0), gm / (r2 * r));
       a[0][u] += w * dx, a[1][u] += w * dy, a[2][u] += w * dz;
-      rough[u] += w * r;
+      rough[u] += vd_abs(w) * (vd_abs(dx) + vd_abs(dy) + vd_abs(dz)); /* not w r: a softened one pulls itself by 0 */
       same[u] += vd_select(here, vd_set(1), vd_set(0));
     }
   }
