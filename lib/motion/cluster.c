@@ -137,6 +137,7 @@ static void take_reference(skf_cluster *c) {
 }
 
 void skf_cluster_compare(skf_cluster *c) {
+  if (c->crowd.n == 0) return;
   skf_flight *first = c->flights[0];
   const skf_invariants *a = &first->reference;
   totals now = sums(c);

@@ -293,6 +293,28 @@ static void contacts_of_one_do_not_stop_the_other(void **state) {
   skf_world_free(w), skf_field_free(field);
 }
 
+/* Once nobody flies there is no motion whose constants could drift. */
+static void constants_end_with_the_last_flight(void **state) {
+  (void)state;
+  skf_element e = point_at(0, 0, 0, newton);
+  skf_field *field;
+  skf_world *w = single(&e, 1, 1, 1, (skf_spin){{0, 0, 1}, {0, 0, 0}, 0}, &field);
+  const skf_state start[2] = {{0, {2, 0, 0}, {0, 0, 0}}, {0, {0, 3, 0}, {0, 0, 0}}};
+  const double gm[2] = {1e-3, 2e-3};
+  const skf_contact_mode modes[] = {SKF_CONTACT_STOP, SKF_CONTACT_ABSORB, SKF_CONTACT_STICK};
+  for (int m = 0; m < 3; m++) {
+    skf_run run = run_of(2, start, gm, 8, 1);
+    run.flight.contact = modes[m];
+    skf_flight_report r[2];
+    tape p = fly_all(w, &run, r);
+    assert_int_equal(p.contacts, 2);
+    check_scaled(r[0].energy_drift, 0, 1, 1e-13);
+    check_scaled(r[0].momentum_drift, 0, 1, 1e-13);
+    free(p.state);
+  }
+  skf_world_free(w), skf_field_free(field);
+}
+
 /* Where a run with checkpoints goes on. */
 typedef struct store {
   char *bytes;
@@ -384,6 +406,7 @@ int main(void) {
       cmocka_unit_test(clouds_keep_their_sums),
       cmocka_unit_test(sums_are_sums),
       cmocka_unit_test(contacts_of_one_do_not_stop_the_other),
+      cmocka_unit_test(constants_end_with_the_last_flight),
       cmocka_unit_test(saved_clusters_continue),
       cmocka_unit_test(bad_clusters_are_refused),
   };
