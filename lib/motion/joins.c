@@ -32,7 +32,8 @@ uint64_t skf_world_zone(const skf_world *w, skf_clock t, skf_vec3 p) {
       if (n) near = skf_primitive_distance(&e->primitive, x), far = skf_primitive_distance_max(&e->primitive, x);
       uint64_t held = 0;
       for (int j = 0; j < n; j++) held = 4 * held + (near < r[j]) + 2 * (far < r[j]);
-      zone = (zone + held * (k + 1) + i) * UINT64_C(1099511628211) + (zone >> 29);
+      /* places beyond all kernels are one, within the body's reach or not */
+      if (held) zone = (zone + (held | k << 4 | (uint64_t)i << 40)) * UINT64_C(1099511628211) + (zone >> 29);
     }
   }
   return zone;

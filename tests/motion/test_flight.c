@@ -199,6 +199,21 @@ static void fixed_steps_count_joins(void **state) {
     }
 }
 
+/* The ball that holds all of a body's force is no join: the second body's is crossed, its kernel is not. */
+static void reach_is_no_join(void **state) {
+  (void)state;
+  const skf_kernel quartic = {SKF_QUARTIC, 0.1};
+  const skf_element e[2] = {point_at(0, 9, 0, quartic), segment_of(v3(0, 0, -1), v3(0, 0, 1), quartic, 1)};
+  skf_field *fields[2] = {field_of(e, 1), field_of(e + 1, 1)};
+  skf_world *w = world_of((const skf_attractor[]){{fields[0], 1e3, 1e-3, still}, {fields[1], 1e3, 1e-3, still}}, 2);
+  skf_flight *f =
+      fly(w, (skf_flight_options){.integrator = "leapfrog", .step = 0.015}, (skf_state){0, {-2, 0.5, 0}, {1, 0, 0}});
+  state_at(f, 4, NULL, NULL);
+  assert_int_equal(skf_flight_get_report(f).joins, 0);
+  skf_flight_free(f), skf_world_free(w);
+  skf_field_free(fields[0]), skf_field_free(fields[1]);
+}
+
 /* Scaling lengths by L and times by T = L^(3/2) changes nothing but the scale. */
 static void scale_does_not_matter(void **state) {
   (void)state;
@@ -371,6 +386,7 @@ int main(void) {
       cmocka_unit_test(frames_agree),
       cmocka_unit_test(finite_support_is_not_leapt_over),
       cmocka_unit_test(fixed_steps_count_joins),
+      cmocka_unit_test(reach_is_no_join),
       cmocka_unit_test(scale_does_not_matter),
       cmocka_unit_test(bad_flights_are_refused),
       cmocka_unit_test(saved_flights_continue),
