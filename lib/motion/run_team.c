@@ -17,7 +17,8 @@ skf_status skf_contact_log_add(skf_contact_log *log, const skf_contact *c, size_
 }
 
 void skf_team_worse(skf_status *worst, skf_run_failure *where, skf_status status, skf_run_failure failure) {
-  if (status == SKF_ERR_CONVERGENCE && failure.t < where->t) *where = failure;
+  bool first = failure.t < where->t || (failure.t == where->t && failure.particle < where->particle);
+  if (status == SKF_ERR_CONVERGENCE && first) *where = failure;
   if (status && (*worst == SKF_OK || *worst == SKF_ERR_CONVERGENCE)) *worst = status;
 }
 

@@ -203,11 +203,26 @@ static void failures_are_shared(void **state) {
   assert_int_equal(skf_runner_new(world, &run, &r, NULL), SKF_ERR_ARG);
 }
 
+/* Of several that fail at once the first is told, whoever has it. */
+static void the_first_failure_is_told(void **state) {
+  (void)state;
+  skf_state on_ring[COUNT];
+  const skf_run run = {COUNT, on_ring, 5, 0.1, bounce};
+  memcpy(on_ring, start, sizeof on_ring);
+  on_ring[5].position = on_ring[6].position = on_ring[7].position = v3(1, 0, 0); /* the force is infinite */
+  for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+    member first = {.run = &run};
+    assert_int_equal(meet(&first, sizes[k]), SKF_ERR_CONVERGENCE);
+    assert_int_equal(first.where.particle, 5);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(shares_change_nothing),
       cmocka_unit_test(stops_change_nothing),
       cmocka_unit_test(failures_are_shared),
+      cmocka_unit_test(the_first_failure_is_told),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }
