@@ -8,7 +8,7 @@
 #include <string.h>
 #include <omp.h>
 
-/* Contacts this part of a step apart are one. */
+/* Contacts so close, as a part of the step, are one. */
 #define AT_ONCE 1e-12
 /* Targets that a thread takes at a time; below so many pairs there is one thread. */
 enum { SHARE = 64, FEW_PAIRS = 65536 };
@@ -19,14 +19,13 @@ struct skf_cluster {
   size_t n;
   const double *gm;
   double softening2;
-  bool resumed;
   skf_pairs_pull *pull;
   size_t *flying; /* the crowd's members */
   skf_crowd crowd;
   skf_touch *touch;
-  double *numbers;                        /* what the following point into */
-  double *x[3], *a[3], *t, *zero, *rough; /* of targets */
-  double *s[3], *sm;                      /* of pullers */
+  double *numbers;                           /* what the following point into */
+  double *x[3], *a[3], *t_hi, *t_lo, *rough; /* of targets */
+  double *s[3], *sm;                         /* of pullers */
   unsigned *same;
 };
 
@@ -50,11 +49,11 @@ static skf_pullers pullers(const skf_cluster *c, double t, const skf_vec3 *x) {
 
 /* Members first ... first + m - 1: the bodies' fields, then the pullers, then what depends on the velocity. */
 static bool feel(const skf_cluster *c, const skf_pullers *p, skf_clock t, size_t first, size_t m, const skf_vec3 *v,
-                 double *noise) {
+                 skf_vec3 *sums, double *noise) {
   const double *const x[3] = {c->x[0] + first, c->x[1] + first, c->x[2] + first};
   double *const a[3] = {c->a[0] + first, c->a[1] + first, c->a[2] + first};
-  for (size_t k = first; k < first + m; k++) c->t[k] = t.hi, c->zero[k] = t.lo, c->same[k] = 0, c->rough[k] = 0;
-  skf_world_force_many(c->world, m, c->t + first, c->zero + first, x, a, noise ? noise + first : NULL);
+  for (size_t k = first; k < first + m; k++) c->t_hi[k] = t.hi, c->t_lo[k] = t.lo, c->same[k] = 0, c->rough[k] = 0;
+  skf_world_force_many(c->world, m, c->t_hi + first, c->t_lo + first, x, a, noise ? noise + first : NULL);
   c->pull(p, m, x, a, c->rough + first, c->same + first);
   bool fine = true;
   for (size_t k = first; k < first + m; k++) {
@@ -63,7 +62,7 @@ static bool feel(const skf_cluster *c, const skf_pullers *p, skf_clock t, size_t
     if (v && !skf_world_drag(c->world, t, v3(c->x[0][k], c->x[1][k], c->x[2][k]), v[k], &sum)) fine = false;
     if (noise) noise[k] += DBL_EPSILON * c->rough[k];
     fine = fine && v3_finite(sum) && c->same[k] == (itself ? 1 : 0);
-    c->crowd.a[k] = sum;
+    sums[k] = sum;
   }
   return fine;
 }
@@ -71,7 +70,6 @@ static bool feel(const skf_cluster *c, const skf_pullers *p, skf_clock t, size_t
 static bool feel_all(void *user, skf_clock t, const skf_vec3 *x, const skf_vec3 *v, skf_vec3 *a, double *noise) {
   skf_cluster *c = user;
   size_t n = c->crowd.n, bad = 0;
-  (void)a; /* the crowd's own */
   skf_pullers p = pullers(c, t.hi, x);
   for (size_t k = 0; k < n; k++) {
     c->x[0][k] = x[k].x, c->x[1][k] = x[k].y, c->x[2][k] = x[k].z;
@@ -79,7 +77,7 @@ static bool feel_all(void *user, skf_clock t, const skf_vec3 *x, const skf_vec3 
   }
 #pragma omp parallel for schedule(static) reduction(+ : bad) if (n * p.n > FEW_PAIRS)
   for (size_t first = 0; first < n; first += SHARE)
-    bad += !feel(c, &p, t, first, n - first < SHARE ? n - first : SHARE, v, noise);
+    bad += !feel(c, &p, t, first, n - first < SHARE ? n - first : SHARE, v, a, noise);
   return bad == 0;
 }
 
@@ -181,8 +179,8 @@ static bool allocate(skf_cluster *c) {
   w->noise = skf_alloc(n, sizeof *w->noise);
   w->guess = skf_alloc(n, sizeof *w->guess), w->before = skf_alloc(n, sizeof *w->before);
   if (!c->numbers) return false;
-  double **const into[] = {c->x,     c->x + 1,  c->x + 2, c->a,     c->a + 1, c->a + 2, &c->t,
-                           &c->zero, &c->rough, c->s,     c->s + 1, c->s + 2, &c->sm};
+  double **const into[] = {c->x,     c->x + 1,  c->x + 2, c->a,     c->a + 1, c->a + 2, &c->t_hi,
+                           &c->t_lo, &c->rough, c->s,     c->s + 1, c->s + 2, &c->sm};
   for (size_t k = 0; k < sizeof into / sizeof *into; k++) *into[k] = c->numbers + k * n;
   return c->flying && c->touch && c->same && w->work && w->orbit && w->x && w->v && w->a && w->noise && w->guess &&
          w->before;
@@ -252,7 +250,7 @@ static skf_status cut(skf_cluster *c, double s, const skf_listener *to) {
   skf_cluster_compare(c);
   for (size_t k = 0; k < c->crowd.n && !worst; k++) {
     skf_touch *at = c->touch + k;
-    if (!at->found || at->s > s * (1 + AT_ONCE)) continue;
+    if (!at->found || at->s > s + AT_ONCE) continue;
     skf_contact contact;
     bool silent;
     at->s = s;

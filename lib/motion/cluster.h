@@ -9,7 +9,7 @@ typedef struct skf_cluster skf_cluster;
 
 /* Takes n flights, made with the same options, that stand at the same time; they are borrowed and from now on move by
    skf_cluster_step alone. gm: G times each one's mass, which is borrowed. What the cluster itself knows is kept in the
-   flights: one made anew of flights that have been loaded continues with the same bits (`begun`: they have been).
+   flights: one whose flights have been loaded continues with the same bits, see skf_cluster_resume.
    SKF_ERR_UNSUPPORTED for another integrator than gauss-radau, SKF_ERR_CONVERGENCE where two start at one place. */
 skf_status skf_cluster_new(const skf_world *world, skf_flight *const *flights, size_t n, const double *gm,
                            double softening, skf_cluster **out);

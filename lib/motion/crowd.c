@@ -23,7 +23,7 @@ skf_status skf_crowd_begin(skf_crowd *c, double h) {
 
 /* One sweep over the nodes. False where the force is not finite. */
 static bool sweep(skf_crowd *c, double h) {
-  for (size_t i = 0; i < c->n; i++) { c->guess[i].size = skf_radau_size(c->work[i]->a0); }
+  for (size_t i = 0; i < c->n; i++) c->guess[i].size = skf_radau_size(c->work[i]->a0);
   for (int n = 1; n < SKF_RADAU_NODES; n++) {
     bool listen = skf_radau_listens(n);
     for (size_t i = 0; i < c->n; i++) c->ops->place(c->guess + i, h, n, c->x + i, c->drags ? c->v + i : NULL);

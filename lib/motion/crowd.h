@@ -11,7 +11,7 @@ typedef struct skf_crowd {
   const skf_radau_ops *ops;
   skf_gauss_radau **work;
   skf_orbit **orbit;
-  /* Accelerations of all particles at one time; noise may be NULL. False when one is not finite: *failed is which. */
+  /* Accelerations of all particles at one time; v and noise may be NULL. False when one is not finite. */
   bool (*eval)(void *user, skf_clock t, const skf_vec3 *x, const skf_vec3 *v, skf_vec3 *a, double *noise);
   void *user;
   bool drags; /* it reads v */
