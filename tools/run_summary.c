@@ -93,11 +93,13 @@ void run_summary_tell(const run_summary *sum, const skf_scene *scene, const skf_
   tell(scene, reports, "energy", &t.energy);
   tell(scene, reports, "Jacobi constant", &t.jacobi);
   tell(scene, reports, "angular momentum about the axis", &t.momentum);
-  if (t.grazing) cli_say("  %zu pieces of path graze a surface too closely to decide, taken as misses", t.grazing);
+  if (t.grazing)
+    cli_say("  %zu piece%s of path graze%s a surface too closely to decide, taken as a miss", t.grazing,
+            t.grazing == 1 ? "" : "s", t.grazing == 1 ? "s" : "");
   if (t.joins)
     cli_say(
-        "skelfield: warning: %zu steps of one length pass over joins, where kernels end: there they are not of %s's "
-        "order",
-        t.joins, skf_integrator_find(sim->integrator)->name);
+        "skelfield: warning: %zu step%s of one length pass%s over joins, where kernels end: the order of %s is lost "
+        "there",
+        t.joins, t.joins == 1 ? "" : "s", t.joins == 1 ? "es" : "", skf_integrator_find(sim->integrator)->name);
   if (json) tell_json(sum, scene, &t);
 }

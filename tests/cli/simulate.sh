@@ -87,6 +87,11 @@ sed 's/tolerance: [^,}]*/integrator: yoshida8, step: 0.01/' fall.yaml >fixed.yam
 run simulate fixed.yaml -o fixed.csv
 expect_status "a fixed step" 0
 expect_err "and the summary tells it" "yoshida8, step 0.01"
+sed -e 's/{type: inverse}/{type: quartic, R: 0.9}/' -e '/spin\|ellipsoid/d' -e 's/G: 1/G: 0.01/' \
+  -e 's/iso: 2/iso: 0.5/' -e '/moon/d' \
+  -e 's/position: .*velocity: .*/position: [0.8, 0, 0], velocity: [1, 0, 0]}/' fixed.yaml >join.yaml
+run simulate join.yaml -o join.csv
+expect_err "the one join that it passes is told" "warning: 1 step of one length passes over joins"
 sed 's/tolerance:/integrator: leapfrog, tolerance:/' fall.yaml >stepless.yaml
 run simulate stepless.yaml
 expect_refused "a fixed step that is not given" "stepless.yaml:13: leapfrog takes steps of one length, expected step"
