@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Vector forms: kernels along a segment. The geometry is that of
-   segment_frame.c, its exact branch taken closer to the axis: with fused
-   products the plain one loses |d| / h of an ulp only. */
+/* Vector forms: kernels along a segment. The geometry is that of segment_frame.c, its exact branch taken closer to the
+   axis: with fused products the plain one loses |d| / h of an ulp only. */
 #ifndef SKF_FIELD_BATCH_SEGMENT_H
 #define SKF_FIELD_BATCH_SEGMENT_H
 
 #include "field/batch_span.h"
 
-/* As skf_segment_plan; per_L2 = 1 / L^2; the kernel's parameter, its square and
-   inverse; the strength, for those that have it inside. */
+/* As skf_segment_plan; per_L2 = 1 / L^2; the kernel's parameter, its square and inverse; the strength, for those that
+   have it inside. */
 typedef struct segment_row {
   skf_v3d from, to, e, e_lo, a;
   skf_vd L, L2, per_L2, param, param2, per_param, strength;
@@ -24,8 +23,7 @@ static double *segment_pack(const skf_prepared *e, double *k) {
   return pack1(k, e->strength);
 }
 
-/* n = d x e from the nearer end: w = e x n / L^2 points from the axis to x, h =
- * |n| / L. */
+/* n = d x e from the nearer end: w = e x n / L^2 points from the axis to x, h = |n| / L. */
 typedef struct segment_view {
   skf_v3d d0, d1, n;
   skf_vd n0, n1, n2; /* squared lengths */
@@ -52,9 +50,8 @@ SKF_INLINE skf_v3d segment_gradient(const segment_row *c, const segment_view *f,
   return vd3_mad(vd3_scale(ends, c->a), g * c->per_L2, vd3_cross(c->e, f->n));
 }
 
-/* With S = r0 + r1: F = log((S + L)^2 / D), D = S^2 - L^2 = 2 (r0 r1 + d0 d1),
-   grad F = -2 L / D (d0 / r0 + d1 / r1). Seen from x the ends are less than 165
-   degrees apart, else D loses too much. */
+/* With S = r0 + r1: F = log((S + L)^2 / D), D = S^2 - L^2 = 2 (r0 r1 + d0 d1), grad F = -2 L / D (d0 / r0 + d1 / r1).
+   Seen from x the ends are less than 165 degrees apart, else D loses too much. */
 typedef struct inverse_segment_state {
   skf_v3d d0, d1;
   skf_vd r0, r1, dot; /* dot: then w of the gradient */
@@ -81,8 +78,7 @@ SKF_INLINE skf_vvalue inverse_segment_end(const segment_row *c, const inverse_se
   return (skf_vvalue){F, vd3_mad(vd3_scale(w * s->r1, s->d0), w * s->r0, s->d1), s->good};
 }
 
-/* D = 2 n^2 / (r0 r1 - d0 d1) where the sum cancels; int g dt = -2 L S / (D r0
- * r1). */
+/* D = 2 n^2 / (r0 r1 - d0 d1) where the sum cancels; int g dt = -2 L S / (D r0 r1). */
 SKF_INLINE skf_vvalue inverse_segment_close(const segment_row *c, skf_v3d x) {
   segment_view f = segment_see(c, x);
   skf_vd L = c->L, r0 = vd_sqrt(f.n0), r1 = vd_sqrt(f.n1), rr = r0 * r1, S = r0 + r1;
@@ -97,14 +93,11 @@ SKF_INLINE skf_vvalue inverse_segment_close(const segment_row *c, skf_v3d x) {
   return vv_scale(c->strength, v);
 }
 
-/* With abscissae T = s t from the foot of the perpendicular, P^2 = 1 + s^2 h^2,
-   W = P^2 + T^2 and the angle delta between the ends, tan u = T / P: int dT / W
-   = delta / P, int dT / W^2 = (delta / P + [T / W]) / (2 P^2), int dT / W^3 =
-   ([T / W^2] + 3 int dT / W^2) / (4 P^2), the brackets, differences between the
-   ends, written without cancellation. They are negative beyond an end; where
-   they would cancel the rest, more than 60 degrees from the perpendicular in u,
-   and on the axis of a thin body, where w is not known well enough, the other
-   form decides. */
+/* With abscissae T = s t from the foot of the perpendicular, P^2 = 1 + s^2 h^2, W = P^2 + T^2 and the angle delta
+   between the ends, tan u = T / P: int dT / W = delta / P, int dT / W^2 = (delta / P + [T / W]) / (2 P^2), int dT / W^3
+   = ([T / W^2] + 3 int dT / W^2) / (4 P^2), the brackets, differences between the ends, written without cancellation.
+   They are negative beyond an end; where they would cancel the rest, more than 60 degrees from the perpendicular in u,
+   and on the axis of a thin body, where w is not known well enough, the other form decides. */
 typedef struct cauchy_span_row {
   segment_row at;
   skf_v3d tangent, back, along; /* s, 1 / s and the strength times the direction */
