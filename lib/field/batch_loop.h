@@ -330,7 +330,13 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     if (tile->count == 1) {                                                                                            \
       row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, 0);                               \
       skf_vvalue v = name##_value(&row, x);                                                                            \
-      if (vi_all(v.good)) return tile->column[0] * (skf_four){v.g.x[0], v.g.y[0], v.g.z[0], v.F[0]};                   \
+      if (!vi_all(v.good)) {                                                                                           \
+        skf_v3d at = x;                                                                                                \
+        skf_vvalue w = v;                                                                                              \
+        name##_redo_at(tile, 0, &at, &w);                                                                              \
+        v = w;                                                                                                         \
+      }                                                                                                                \
+      return tile->column[0] * (skf_four){v.g.x[0], v.g.y[0], v.g.z[0], v.F[0]};                                       \
     }                                                                                                                  \
     name##_few(tile, &p, out);                                                                                         \
     return (skf_four){out[1], out[2], out[3], out[0]};                                                                 \

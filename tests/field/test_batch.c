@@ -161,6 +161,37 @@ static void same_point(const skf_field *f, cloud *c) {
   }
 }
 
+/* A batch of one gives what a longer one does, to the sign of zero; lying in planes of symmetry, the body itself,
+   negative. */
+static void test_sign(void **state) {
+  (void)state;
+  uint64_t seed = 15;
+  static cloud a, b;
+  for (int isa = 0; isa < ISAS; isa++)
+    for (int k = 0; k < SKF_KERNEL_COUNT; k++)
+      for (int s = 0; s < SKF_SOLID; s++)
+        for (size_t n = 1; n < 4; n += 2) {
+          skf_element e[3] = {{{.shape = (skf_shape)s}, {.type = (skf_kernel_type)k, .param = 1.5}, -1}};
+          skf_primitive *at = &e->primitive;
+          if (s == SKF_SEGMENT) at->segment = (skf_segment){{-1, 0, 0}, {1, 0, 0}};
+          if (s == SKF_ARC) at->arc = (skf_arc){{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1, n > 1 ? 2 : 2 * SKF_PI};
+          if (s == SKF_TRIANGLE) at->triangle = (skf_triangle){{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}};
+          if (s == SKF_PLANE) at->plane = (skf_plane){{0, 0, 0}, {0, 0, 1}};
+          e[1] = e[2] = e[0];
+          skf_field *f = make(isas[isa], e, n);
+          for (size_t i = 0; i < POINTS; i++)
+            for (int c = 0; c < 3; c++) {
+              double far = pow(10, rnd(&seed, -200, 200)), choice[] = {-1, 0, 0.5, 1, far, -far};
+              a.p[c][i] = choice[(int)rnd(&seed, 0, 6)];
+            }
+          memcpy(&b, &a, sizeof a);
+          eval(f, 0, POINTS, &a);
+          for (size_t i = 0; i < POINTS; i++) eval(f, i, 1, &b);
+          assert_memory_equal(&a, &b, sizeof a);
+          skf_field_free(f);
+        }
+}
+
 /* skf_field_point is a batch of one: for each pair, alone and several times, and for all together. */
 static void test_point(void **state) {
   (void)state;
@@ -210,6 +241,7 @@ static void test_scalar(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_isas), cmocka_unit_test(test_place),
-                                     cmocka_unit_test(test_point), cmocka_unit_test(test_scalar)};
+                                     cmocka_unit_test(test_point), cmocka_unit_test(test_sign),
+                                     cmocka_unit_test(test_scalar)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
