@@ -148,8 +148,8 @@ static void block(const job *j, size_t from, size_t n) {
   size_t padded = pad(j, from, n, room, p);
   if (plain(f)) {
     f->ops->add[f->batch.tile->form](f->batch.tile, padded, p, scale, to);
-    for (int k = 0; k < 4; k++)
-      if (j->out[k]) f->ops->keep(n, part[0], part[k], j->out[k] + from);
+    for (int k = 0; k < 4; k++) /* an element alone has no infinities that cancel */
+      if (j->out[k]) f->ops->keep(n, f->batch.elements == 1 ? part[k] : part[0], part[k], j->out[k] + from);
     return;
   }
   for (int k = 0; k < 4; k++) memset(sum[k], 0, n * sizeof(double));

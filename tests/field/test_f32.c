@@ -170,8 +170,26 @@ static void test_sum(void **state) {
   skf_field_free(sizes);
 }
 
+/* Where floats overflow the gradient does so too, wherever the point is in its batch and whatever is asked for. */
+static void test_overflow(void **state) {
+  (void)state;
+  enum { N = 37 };
+  skf_element e = {{.shape = SKF_POINT, .point = {{0, 0, 0}}}, {SKF_INVERSE, 0, NULL}, 1e19};
+  skf_field *f = make(&e, 1);
+  for (int i = 0; i < POINTS; i++) p[0][i] = 1e-30f, p[1][i] = p[2][i] = 0;
+  eval(f, v3(0, 0, 0), 1);
+  skf_field_f32 *f32;
+  assert_int_equal(skf_field_f32_new(f, v3(0, 0, 0), 1, &f32), SKF_OK);
+  const float *const in[3] = {p[0], p[1], p[2]};
+  float x[N], *const out[3] = {x, NULL, NULL};
+  assert_int_equal(skf_field_f32_eval(f32, N, in, NULL, out), SKF_OK);
+  for (int i = 0; i < POINTS; i++) assert_true(F[i] == INFINITY && g[0][i] == -INFINITY && g[1][i] == 0);
+  for (int i = 0; i < N; i++) assert_true(x[i] == -INFINITY);
+  skf_field_f32_free(f32), skf_field_free(f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_pairs), cmocka_unit_test(test_frame),
-                                     cmocka_unit_test(test_sum)};
+                                     cmocka_unit_test(test_sum), cmocka_unit_test(test_overflow)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
