@@ -150,8 +150,7 @@ typedef struct job {
 } job;
 
 /* The last few points, fewer than SKF_BATCH_PAD, the last one again as padding. (No memcpy: its call would take
- * longer.)
- */
+   longer.) */
 static void pad(const job *j, size_t from, size_t n, double room[3][SKF_BATCH_PAD], const double *p[3]) {
   for (int k = 0; k < 3; k++) {
     for (size_t i = 0; i < SKF_BATCH_PAD; i++) room[k][i] = j->p[k][from + (i < n ? i : n - 1)];
@@ -242,33 +241,37 @@ void skf_batch_at(const skf_batch *b, skf_vec3 p, bool exact, double out[4]) {
   }
 }
 
-/* One point in a field of one tile: that costs a call. */
-static void lone(const job *j) {
-  const skf_vec3 at = v3(j->p[0][0], j->p[1][0], j->p[2][0]);
-  double out[4];
-  j->batch->ops->form[j->batch->tile->form].lone(j->batch->tile, &at, out);
-  for (int k = 0; k < 4; k++)
-    if (j->out[k]) j->out[k][0] = out[k];
-}
-
-/* Few points: elements are the lanes. */
+/* Few points: elements are the lanes; where they make one tile, that costs a call. */
 static void few(const job *j, size_t n) {
+  const skf_batch *b = j->batch;
+  const bool alone = b->tiles == 1 && b->tile->column;
   for (size_t i = 0; i < n; i++) {
+    const skf_vec3 at = v3(j->p[0][i], j->p[1][i], j->p[2][i]);
     double out[4];
-    skf_batch_at(j->batch, v3(j->p[0][i], j->p[1][i], j->p[2][i]), false, out);
+    if (alone)
+      b->ops->form[b->tile->form].lone(b->tile, &at, out);
+    else
+      skf_batch_at(b, at, false, out);
     for (int k = 0; k < 4; k++)
       if (j->out[k]) j->out[k][i] = out[k];
   }
 }
 
+static void range(const job *j, size_t from, size_t n) {
+  if (j->batch->elements == 1 && j->batch->tile->column)
+    one_range(j, from, n);
+  else
+    sum_range(j, from, n);
+}
+
+void skf_batch_serial(const skf_batch *b, size_t n, const double *const p[3], double *const out[4]) {
+  job j = {b, p, {out[0], out[1], out[2], out[3]}};
+  range(&j, 0, n);
+}
+
 static void eval(const skf_batch *b, size_t n, const double *const p[3], double *F, double *const g[3]) {
   job j = {b, p, {F, g ? g[0] : NULL, g ? g[1] : NULL, g ? g[2] : NULL}};
-  if (n == 1 && b->tiles == 1 && b->tile->column) {
-    lone(&j);
-    return;
-  }
-  void (*range)(const job *, size_t, size_t) = b->elements == 1 && b->tile->column ? one_range : sum_range;
-  if (range == sum_range && n * b->tiles * SKF_TILE <= SKF_BATCH_PAD * b->elements) {
+  if (n * b->tiles * SKF_TILE <= SKF_BATCH_PAD * b->elements) {
     few(&j, n);
     return;
   }

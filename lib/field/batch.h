@@ -88,6 +88,8 @@ void skf_batch_at(const skf_batch *b, skf_vec3 p, bool exact, double out[4]);
 
 /* F and the gradient at n points of structure-of-arrays form; any output may be NULL. */
 void skf_batch_eval(const skf_batch *b, size_t n, const double *const p[3], double *F, double *const g[3]);
+/* The same, to the same bits, in the order of the points and on the calling thread alone */
+void skf_batch_serial(const skf_batch *b, size_t n, const double *const p[3], double *const out[4]);
 
 /* Adds all tiles to a sum that is set, or sets it first; n points and what they are padded to. */
 void skf_batch_add(const skf_batch *b, size_t n, size_t padded, const double *const p[3], skf_batch_sum *sum,

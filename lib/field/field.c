@@ -131,7 +131,7 @@ skf_status skf_field_new_with(const skf_element *elements, size_t n, const skf_f
   if (!s && accuracy > 0 && f->plain >= FAR_LEAST) s = make_far(f, accuracy);
   if (!s) s = skf_batch_new(skf_batch_get(skf_isa_pick()), f->direct, f->direct_count, &f->batch);
   if (s) return skf_field_free(f), s;
-  bool alone = f->far_count == 0 && f->plain == f->n;
+  bool alone = skf_field_is_direct(f);
   for (size_t i = 0; i < f->batch.tiles && alone; i++) f->crowd |= skf_batch_full(f->batch.tile + i);
   if (alone && f->batch.tiles == 1 && f->batch.tile->column) f->lone = f->batch.ops->form[f->batch.tile->form].lone;
   return *out = f, SKF_OK;
@@ -260,19 +260,8 @@ static void eval_solids(const skf_field *f, size_t n, const double *const p[3], 
 
 bool skf_field_is_direct(const skf_field *f) { return f->plain == f->n && f->far_count == 0; }
 
-static void sum_serially(const skf_batch *b, size_t n, const double *const p[3], double *const out[4]) {
-  skf_batch_sum parts;
-  for (size_t from = 0, m; from < n; from += m) {
-    m = n - from < SKF_BATCH ? n - from : SKF_BATCH;
-    const double *const at[3] = {p[0] + from, p[1] + from, p[2] + from};
-    skf_batch_add(b, m, m, at, &parts, true);
-    for (int k = 0; k < 4; k++)
-      if (out[k]) b->ops->total(m, &parts, k, out[k] + from);
-  }
-}
-
 void skf_field_serial(const skf_field *f, size_t n, const double *const p[3], double *const out[4]) {
-  sum_serially(&f->batch, n, p, out);
+  skf_batch_serial(&f->batch, n, p, out);
 }
 
 skf_status skf_field_some_many(const skf_field *f, const uint32_t *which, size_t n, size_t points,
@@ -283,7 +272,7 @@ skf_status skf_field_some_many(const skf_field *f, const uint32_t *which, size_t
   for (size_t i = 0; i < n; i++) e[i] = f->prepared[which[i]];
   skf_status s = skf_batch_new(f->batch.ops, e, n, &b);
   if (!s) {
-    sum_serially(&b, points, p, (double *const[4]){F, NULL, NULL, NULL});
+    skf_batch_serial(&b, points, p, (double *const[4]){F, NULL, NULL, NULL});
     skf_batch_free(&b);
   }
   skf_free(e);
@@ -292,7 +281,7 @@ skf_status skf_field_some_many(const skf_field *f, const uint32_t *which, size_t
 
 void skf_field_point(const skf_field *f, const skf_vec3 *p, double out[4]) {
   if (f->lone) return f->lone(f->batch.tile, p, out);
-  if (f->plain == f->n && f->far_count == 0) return skf_batch_at(&f->batch, *p, false, out);
+  if (skf_field_is_direct(f)) return skf_batch_at(&f->batch, *p, false, out);
   const double *const at[3] = {&p->x, &p->y, &p->z};
   double *const g[3] = {out + 1, out + 2, out + 3};
   skf_field_eval(f, 1, at, out, g, NULL);

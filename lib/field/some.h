@@ -13,9 +13,8 @@ const skf_prepared *skf_field_prepared(const skf_field *field);
    that of n additions. */
 double skf_field_some(const skf_field *field, const uint32_t *which, size_t n, skf_vec3 p, skf_vec3 *g, double *size);
 
-/* Many points at once on the calling thread, of fields without solids and far sums; `points` is a multiple of
-   SKF_SOME_PAD, outputs may be NULL. What comes out at a point depends on this point alone. */
-enum { SKF_SOME_PAD = 8 };
+/* Many points at once on the calling thread, of fields without solids and far sums; outputs may be NULL. What comes out
+   at a point depends on this point alone. */
 bool skf_field_is_direct(const skf_field *field);
 /* All elements, with the bits of skf_field_eval. */
 void skf_field_serial(const skf_field *field, size_t points, const double *const p[3], double *const out[4]);

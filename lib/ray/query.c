@@ -352,12 +352,9 @@ static void look_all(skf_waiting *const *wait, size_t n, skf_knot *k) {
     at[0][m] = p.x, at[1][m] = p.y, at[2][m] = p.z, which[m++] = i;
   }
   if (!m) return;
-  size_t padded = (m + SKF_SOME_PAD - 1) / SKF_SOME_PAD * SKF_SOME_PAD;
-  for (int c = 0; c < 3; c++)
-    for (size_t i = m; i < padded; i++) at[c][i] = at[c][m - 1];
   const double *const p[3] = {at[0], at[1], at[2]};
   double *const F[4] = {out[0], out[1], out[2], out[3]};
-  skf_field_serial(wait[0]->walk.tracer->field, padded, p, F);
+  skf_field_serial(wait[0]->walk.tracer->field, m, p, F);
   for (size_t i = 0; i < m; i++) {
     skf_waiting *w = wait[which[i]];
     w->walk.report.evaluations++;

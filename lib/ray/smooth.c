@@ -58,16 +58,15 @@ static outlook look_out(const skf_smooth *t, const skf_smooth_cell *c, const skf
 
 static bool sample(const skf_smooth *t, const skf_smooth_cell *c, const uint32_t *list, uint32_t n,
                    const skf_margin *off, skf_model *m) {
-  enum { ROOM = (SKF_ALL_NODES + SKF_SOME_PAD - 1) / SKF_SOME_PAD * SKF_SOME_PAD };
-  double at[3][ROOM], values[ROOM];
+  double at[3][SKF_ALL_NODES], values[SKF_ALL_NODES];
   if (!n) return true;
-  for (int i = 0; i < ROOM; i++) { /* what is too much is as good a place */
-    at[0][i] = c->center.x + c->half * t->table.node[i / SKF_NODES / SKF_NODES % SKF_NODES];
+  for (int i = 0; i < SKF_ALL_NODES; i++) {
+    at[0][i] = c->center.x + c->half * t->table.node[i / SKF_NODES / SKF_NODES];
     at[1][i] = c->center.y + c->half * t->table.node[i / SKF_NODES % SKF_NODES];
     at[2][i] = c->center.z + c->half * t->table.node[i % SKF_NODES];
   }
   const double *const p[3] = {at[0], at[1], at[2]};
-  if (skf_field_some_many(t->field, list, n, ROOM, p, values)) return false;
+  if (skf_field_some_many(t->field, list, n, SKF_ALL_NODES, p, values)) return false;
   skf_margin with = *off;
   /* rounding of the samples, grown by the interpolation, and of the places */
   double lambda = t->table.lebesgue, grown = lambda * lambda * lambda;
