@@ -17,12 +17,11 @@ typedef struct area_row {
 
 static double *area_pack(const skf_prepared *e, double *k) {
   const skf_triangle_plan *T = &e->plan.triangle;
-  double param = e->kernel.param, param2 = param * param;
   k = triangle_pack(e, k);
   for (int i = 0; i < 3; i++) k = pack3(k, T->t[i]);
   k = pack3(pack3(k, dd3_round(T->N)), v3(T->N.x.lo, T->N.y.lo, T->N.z.lo));
   k = pack1(k, T->per_N);
-  return pack1(pack1(pack1(pack1(pack1(k, T->diam), param), param2), 1 / param), 1 / param2);
+  return pack_parameter(pack1(k, T->diam), e);
 }
 
 typedef struct area_view {

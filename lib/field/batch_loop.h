@@ -91,6 +91,11 @@ static inline double *pack1(double *k, double a) {
 /* The exponent of vd_exp2_product for exp(-a^2 w), rounded once */
 static inline double *pack_exponent(double *k, double a) { return pack1(k, (double)(-1.4426950408889634074L * a * a)); }
 static inline double *pack3(double *k, skf_vec3 a) { return pack1(pack1(pack1(k, a.x), a.y), a.z); }
+/* The kernel's parameter, its square, 1 / both */
+static inline double *pack_parameter(double *k, const skf_prepared *e) {
+  double param = e->kernel.param, param2 = param * param;
+  return pack1(pack1(pack1(pack1(k, param), param2), 1 / param), 1 / param2);
+}
 
 enum { SKF_FLIGHT = 16 };
 #define SKF_ROLLED _Pragma("GCC unroll 1")
@@ -116,8 +121,8 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
 /* A form in stages, SKF_FLIGHT vectors in each before the next: NAME_begin, three, NAME_end. */
 #define SKF_BATCH_STAGED(name, row_name, again, one, two, three)                                                       \
   SKF_BATCH_STAGES_OF(name, row_name, again, false, SKF_APART, one, two, three)
-/* The same where the last stage, all products, of some vectors shares a loop with one of the next that is all roots and
-   quotients, so that the one multiplies while the other divides: NAME_begin, or ONE. */
+/* The same, the strength in the row, where the last stage, all products, of some vectors shares a loop with one of the
+   next that is all roots and quotients, so that the one multiplies while the other divides: NAME_begin, or ONE. */
 #define SKF_BATCH_WOVEN(name, row_name, again, one, two, three)                                                        \
   SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_WITH_BEGIN, one, two, three)
 #define SKF_BATCH_CROSSED(name, row_name, again, one, two, three)                                                      \

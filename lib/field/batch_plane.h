@@ -12,9 +12,8 @@ typedef struct plane_row {
 
 static double *plane_pack(const skf_prepared *e, double *k) {
   const skf_plane_plan *p = &e->plan.plane;
-  double param = e->kernel.param, param2 = param * param;
-  k = pack1(pack3(pack3(pack3(k, e->primitive.plane.through), p->raw), p->unit), 1 / p->length);
-  return pack1(pack1(pack1(pack1(k, param), param2), 1 / param), 1 / param2);
+  k = pack3(pack3(pack3(k, e->primitive.plane.through), p->raw), p->unit);
+  return pack_parameter(pack1(k, 1 / p->length), e);
 }
 
 /* Signed height over the plane to a few ulps, however far x is from the plane's point. */

@@ -12,10 +12,9 @@ typedef struct point_row {
 } point_row;
 
 static double *point_pack(const skf_prepared *e, double *k) {
-  double param = e->kernel.param, param2 = param * param, strength = e->strength;
-  bool compact = skf_kernel_get(e->kernel.type)->compact;
-  k = pack1(pack1(pack1(pack1(pack3(k, e->primitive.point.at), param), param2), 1 / param), 1 / param2);
-  return pack1(pack1(k, strength), compact ? strength / param2 : strength * param2);
+  double param2 = e->kernel.param * e->kernel.param, strength = e->strength;
+  k = pack_parameter(pack3(k, e->primitive.point.at), e);
+  return pack1(pack1(k, strength), skf_kernel_get(e->kernel.type)->compact ? strength / param2 : strength * param2);
 }
 
 /* From d = at - x (the other way round takes a load more) and w = |d|^2, h and twice its derivative by w, the strength
@@ -143,8 +142,6 @@ SKF_INLINE skf_vvalue metaball_rim(const point_row *c, skf_v3d x) {
   return metaball_of(c, d, w, point_power(c, x, d, w), vi_set(-1));
 }
 
-typedef point_row inverse_point_row;
-typedef point_row inverse_squared_point_row;
 SKF_BATCH_POINT(inverse_point, point, skf_again_none)
 SKF_BATCH_POINT(inverse_squared_point, point, skf_again_none)
 SKF_BATCH_POINT(cauchy_point, point, skf_again_none)
