@@ -14,9 +14,10 @@ SKF_INLINE unsigned lanes_of(const skf_packet *p, const span *s) {
   return bits & p->alive;
 }
 
-/* Cells that are known to be outside are passed over: who has come here past one is outside. */
+/* Cells that are known to be outside are passed over: who has come here past one is outside. Who has been in a leaf and
+   still has no sign is on the surface. */
 SKF_INLINE void settle(skf_packet *p, const span *s, unsigned lanes) {
-  unsigned open = lanes & ~(p->below | p->above), past = 0;
+  unsigned open = lanes & ~(p->below | p->above | p->walking), past = 0;
   if (!open) return;
   for (int v = 0; v < VECTORS; v++)
     past |= (unsigned)vi_bits(s->a[v] > vd_load(p->from + SKF_LANES * v)) << (SKF_LANES * v);

@@ -180,6 +180,35 @@ static void first_of_all(void **unused) {
   assert_true(hits > 500 && on > 100);
 }
 
+/* A ball's poles are on the cells' walls: rays inwards from there begin in one cell and go on in the next. */
+static void from_walls(void **unused) {
+  (void)unused;
+  uint64_t state = 3;
+  size_t n = 0;
+  for (int i = 0; i < 40 * SKF_KERNEL_COUNT; i++) {
+    skf_kernel_type kernel = (skf_kernel_type)(i % SKF_KERNEL_COUNT);
+    skf_vec3 c = rnd_vec(&state, 1);
+    skf_element e = {{.shape = SKF_POINT, .point = {c}}, {kernel, 1}, 1};
+    skf_field *f;
+    skf_tracer *t = tracer_of(&e, 1, 0.4, &f);
+    for (int k = 0; k < 6; k++) {
+      double sign = k & 1 ? -1 : 1;
+      skf_vec3 d = k < 2 ? v3(sign, 0, 0) : k < 4 ? v3(0, sign, 0) : v3(0, 0, sign);
+      skf_hit pole, hit;
+      bool found;
+      assert_int_equal(skf_tracer_first(t, &(skf_ray){v3_mad(c, -5, d), d, 0, 10}, &pole, &found, NULL), SKF_OK);
+      assert_true(found);
+      skf_vec3 u = rnd_unit(&state);
+      if (v3_dot(u, d) < 0.05) continue;
+      assert_int_equal(skf_tracer_first(t, &(skf_ray){pole.at, u, 0, INFINITY}, &hit, &found, NULL), SKF_OK);
+      assert_true(found && !hit.entering && hit.t > 0.05);
+      n++;
+    }
+    done_with(t, f);
+  }
+  assert_true(n > 500);
+}
+
 /* Memory that runs out leaves cells unexplored: hits stay, to rounding. */
 static void without_memory(void **unused) {
   (void)unused;
@@ -205,8 +234,9 @@ static void without_memory(void **unused) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(many_elements), cmocka_unit_test(small_and_far_off), cmocka_unit_test(needles),
-      cmocka_unit_test(history),       cmocka_unit_test(first_of_all),      cmocka_unit_test(without_memory),
+      cmocka_unit_test(many_elements),  cmocka_unit_test(small_and_far_off), cmocka_unit_test(needles),
+      cmocka_unit_test(history),        cmocka_unit_test(first_of_all),      cmocka_unit_test(from_walls),
+      cmocka_unit_test(without_memory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
