@@ -344,7 +344,7 @@ static void look_all(skf_waiting *const *wait, size_t n, skf_knot *k) {
   size_t m = 0, which[SHARE];
   for (size_t i = 0; i < n; i++) {
     skf_walk *w = &wait[i]->walk;
-    if (w->tracer->plus || w->leaf->count < w->tracer->n) {
+    if (w->tracer->plus || n == 1) {
       skf_walk_look(w, wait[i]->t, k + i);
       continue;
     }
