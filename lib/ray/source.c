@@ -17,6 +17,7 @@ enum { PER_OCTAVE = 8 };
 static double infimum(const skf_source *s, double d) {
   skf_shape shape = s->element.primitive.shape;
   if (shape == SKF_SOLID) return s->measure / (d + 2 * s->reach) * (1 - 1e-12);
+  if (d >= skf_kernel_end(s->element.kernel)) return 0;
   double size = shape == SKF_TRIANGLE ? 2 * s->reach : s->whole ? 0.5 * s->measure : s->measure, sum = 0, part[4];
   if (shape == SKF_POINT) {
     skf_kernel_eval(s->element.kernel, d * d, part);
@@ -35,7 +36,8 @@ static double infimum(const skf_source *s, double d) {
 
 static skf_status tabulate(skf_source *s) {
   double width = skf_kernel_width(s->element.kernel), size = 2 * s->reach;
-  double first = width > 0 ? width / 16 : size / 4096, last = 8 * fmax(width, size);
+  double first = width > 0 ? width / 16 : size / 4096;
+  double last = fmin(8 * fmax(width, size), skf_kernel_end(s->element.kernel)); /* beyond there is nothing */
   s->unit = exp2(floor(log2(first)));
   s->grades = (size_t)fmin(PER_OCTAVE * (1 + ceil(log2(last / s->unit))), 40 * PER_OCTAVE);
   s->grade = skf_alloc(s->grades, sizeof *s->grade);
