@@ -5,6 +5,7 @@
    neither is halved; what a few halvings leave open is left to the walk. */
 #include "ray/patch.h"
 #include "core/vec3.h"
+#include "ray/bernstein.h"
 #include "ray/packet.h"
 
 enum { N = SKF_DEGREE, HALVINGS = 10, ROOTS = 32 };
@@ -45,35 +46,10 @@ typedef struct findings {
   crossing roots[ROOTS];
 } findings;
 
-/* De Casteljau: c becomes the left half, r the right one; returns the value between. */
-static double halve(double c[N + 1], double r[N + 1]) {
-  for (int k = 0; k <= N; k++) r[k] = c[k];
-  for (int k = 1; k <= N; k++) {
-    for (int i = 0; i <= N - k; i++) r[i] = 0.5 * (r[i] + r[i + 1]);
-    c[k] = r[0];
-  }
-  return c[N];
-}
-
-/* The root in (0, 1) of c, which rises or falls, to some 1e-8, and Taylor's coefficients there. */
+/* The root in (0, 1) of c, which rises or falls, to some 1e-8, and Taylor's coefficients there. The field is looked at
+   there, and goes on from what it is: a step below 1e-4 is good enough. */
 static double root_of(const double c[N + 1], double *c2, double *c3) {
-  double lo = 0, hi = 1, d[N + 1], x = c[0] / (c[0] - c[N]);
-  for (int k = 0; k < N; k++) /* better: where the control polygon crosses */
-    if ((c[k] > 0) != (c[k + 1] > 0)) x = (k + c[k] / (c[k] - c[k + 1])) / N;
-  for (int k = 0; k <= N; k++) d[k] = c[k];
-  for (int k = 1; k <= N; k++)
-    for (int i = N; i >= k; i--) d[i] -= d[i - 1];
-  for (int k = 1, choose = N; k < N; k++) d[k] *= choose, choose = choose * (N - k) / (k + 1);
-  for (int i = 0; i < 60; i++) {
-    double f = d[N], slope = 0;
-    for (int k = N - 1; k >= 0; k--) slope = slope * x + f, f = f * x + d[k];
-    double next = x - f / slope;
-    *((f > 0) == (c[N] > 0) ? &hi : &lo) = x;
-    if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
-    bool near = fabs(next - x) < 1e-4; /* the field is looked at here, and goes on from what it is */
-    x = next;
-    if (near) break;
-  }
+  double d[N + 1], x = skf_bernstein_root(N, c, 1e-4, d);
   *c2 = *c3 = 0;
   for (int k = N; k > 1; k--) {
     *c2 = *c2 * x + 0.5 * k * (k - 1) * d[k];
@@ -107,7 +83,7 @@ static bool isolate(const double coefficients[N + 1], double off, double slope, 
     if (below <= N && above <= N && falls < N && rises < N) {
       if (depth == HALVINGS) return false;
       double right[N + 1], middle = 0.5 * (from + to);
-      if (fabs(halve(c, right)) <= off) return false;
+      if (fabs(skf_bernstein_halve(N, c, right)) <= off) return false;
       for (int k = 0; k <= N; k++) stack[depth + 1][k] = c[k], c[k] = right[k];
       ends[++depth] = middle;
       continue;

@@ -2,6 +2,7 @@
 /* A ray through a leaf of points. Between the places where it enters and leaves their supports, F - iso is a polynomial
    of degree 4, with soft objects 6. By Bernstein coefficients it has no root where they have one sign, and exactly one
    where their sign changes once; else it is halved. What rounding leaves open is left to the walk. */
+#include "ray/bernstein.h"
 #include "ray/packet.h"
 #include <float.h>
 
@@ -48,11 +49,8 @@ static void cut(pieces *p, const skf_leaf *leaf, skf_vec3 start, skf_vec3 d, dou
   }
 }
 
-/* What follows is compiled once for each degree, n. */
-#define EACH_DEGREE static inline __attribute__((always_inline))
-
 /* c of f on [a, b] */
-EACH_DEGREE void expand(const int n, const pieces *p, double a, double b, double c[DEGREE + 1]) {
+SKF_EACH_DEGREE void expand(const int n, const pieces *p, double a, double b, double c[DEGREE + 1]) {
   double L = b - a;
   for (int k = 0; k <= n; k++) c[k] = -p->iso;
   for (int i = 0; i < p->n; i++) {
@@ -77,48 +75,10 @@ EACH_DEGREE void expand(const int n, const pieces *p, double a, double b, double
   }
 }
 
-/* De Casteljau: c becomes the left half, r the right one; returns the value between. */
-EACH_DEGREE double halve(const int n, double c[DEGREE + 1], double r[DEGREE + 1]) {
-  for (int k = 0; k <= n; k++) r[k] = c[k];
-  for (int k = 1; k <= n; k++) {
-    for (int i = 0; i <= n - k; i++) r[i] = 0.5 * (r[i] + r[i + 1]);
-    c[k] = r[0];
-  }
-  return c[n];
-}
-
-/* Taylor's coefficients at 0 */
-EACH_DEGREE void powers(const int n, const double *c, double d[DEGREE + 1]) {
-  static const double binomial[2][DEGREE + 1] = {{1, 4, 6, 4, 1}, {1, 6, 15, 20, 15, 6, 1}};
-  for (int k = 0; k <= n; k++) d[k] = c[k];
-  for (int k = 1; k <= n; k++)
-    for (int i = n; i >= k; i--) d[i] -= d[i - 1];
-  for (int k = 1; k < n; k++) d[k] *= binomial[n == 6][k];
-}
-
-/* The root in (0, 1) of what has one; the first guess is that of the control points' polygon. */
-EACH_DEGREE double root(const int n, const double *c) {
-  double lo = 0, hi = 1, d[DEGREE + 1], x = c[0] / (c[0] - c[n]);
-  for (int k = 0; k < n; k++)
-    if ((c[k] > 0) != (c[k + 1] > 0)) x = (k + c[k] / (c[k] - c[k + 1])) / n;
-  powers(n, c, d);
-  for (int i = 0; i < 60; i++) {
-    double f = d[n], slope = 0;
-    for (int k = n - 1; k >= 0; k--) slope = slope * x + f, f = f * x + d[k];
-    double next = x - f / slope;
-    if (f == 0) return x;
-    *((f > 0) == (c[n] > 0) ? &hi : &lo) = x;
-    if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
-    if (fabs(next - x) < 1e-7) return next;
-    x = next;
-  }
-  return x;
-}
-
 typedef enum verdict { CLEAR, CROSSING, OPEN } verdict;
 
 /* `fresh`: f at the start may be 0, from where the ray comes. */
-EACH_DEGREE verdict judge(const int n, const double *c, double noise, bool fresh) {
+SKF_EACH_DEGREE verdict judge(const int n, const double *c, double noise, bool fresh) {
   int below = 0, above = 0, changes = 0;
   for (int k = 0; k <= n; k++) below += c[k]<-noise, above += c[k]> noise;
   if (below == n + 1 || above == n + 1) return CLEAR;
@@ -139,7 +99,7 @@ typedef struct findings {
 } findings;
 
 /* Adds the roots on [a, b], in order; false: they cannot be told. With `first` one is enough. */
-EACH_DEGREE bool isolate(const int n, const pieces *p, double a, double b, bool fresh, bool first, findings *out) {
+SKF_EACH_DEGREE bool isolate(const int n, const pieces *p, double a, double b, bool fresh, bool first, findings *out) {
   double stack[HALVINGS + 1][DEGREE + 1], from = a, ends[HALVINGS + 1];
   int depth = 0;
   ends[0] = b;
@@ -151,14 +111,15 @@ EACH_DEGREE bool isolate(const int n, const pieces *p, double a, double b, bool 
     if (v == OPEN) {
       if (depth == HALVINGS) return false;
       double right[DEGREE + 1], middle = 0.5 * (from + to);
-      if (fabs(halve(n, c, right)) <= p->noise) return false;
+      if (fabs(skf_bernstein_halve(n, c, right)) <= p->noise) return false;
       for (int k = 0; k <= n; k++) stack[depth + 1][k] = c[k], c[k] = right[k];
       ends[++depth] = middle;
       continue;
     }
     if (v == CROSSING) {
       if (out->count == ROOTS) return false;
-      out->roots[out->count++] = (bracket){from, to, c[0], c[n], from + (to - from) * root(n, c)};
+      double d[DEGREE + 1], x = skf_bernstein_root(n, c, 1e-7, d);
+      out->roots[out->count++] = (bracket){from, to, c[0], c[n], from + (to - from) * x};
       if (first) return true;
     }
     out->last = c[n] > 0 ? 1 : -1;
@@ -168,7 +129,7 @@ EACH_DEGREE bool isolate(const int n, const pieces *p, double a, double b, bool 
   return true;
 }
 
-EACH_DEGREE bool find(const int n, const pieces *p, bool fresh, bool first, findings *out) {
+SKF_EACH_DEGREE bool find(const int n, const pieces *p, bool fresh, bool first, findings *out) {
   for (int i = 0; i + 1 < p->breaks; i++) {
     if (!(p->at[i] < p->at[i + 1])) continue;
     if (!isolate(n, p, p->at[i], p->at[i + 1], fresh, first, out)) return false;
