@@ -132,6 +132,11 @@ skf_margin skf_margin_of(const skf_source *s, double near, double most, double h
                       24 * w * taylor(s, near, most, 1, 4), w * most};
 }
 
+void skf_margin_add(skf_margin *sum, const skf_margin *m) {
+  sum->value += m->value, sum->slope += m->slope, sum->bend += m->bend;
+  sum->fourth += m->fourth, sum->size += m->size;
+}
+
 /* The matrix of each axis in turn, on what has N^3 entries. The innermost loops run along memory. */
 static void apply(const double a[3][N][N], double *c) {
   double b[SKF_ALL_NODES], turned[N][N];
@@ -179,8 +184,7 @@ void skf_model_add(const skf_chebyshev *t, const double *values, const skf_margi
   memcpy(c, values, sizeof c);
   apply((const double(*)[N][N])a, c);
   for (int i = 0; i < SKF_ALL_NODES; i++) m->c[i] += c[i];
-  m->off.value += off->value, m->off.slope += off->slope, m->off.bend += off->bend;
-  m->off.fourth += off->fourth, m->off.size += off->size;
+  skf_margin_add(&m->off, off);
 }
 
 double skf_model_swing(const skf_model *m, int degree) {

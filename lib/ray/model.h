@@ -26,6 +26,8 @@ typedef struct skf_margin {
   double value, slope, bend, fourth, size;
 } skf_margin;
 
+void skf_margin_add(skf_margin *sum, const skf_margin *m);
+
 /* c[(i SKF_NODES + j) SKF_NODES + k] T_i(x) T_j(y) T_k(z), with x, y, z in [-1, 1] on the cube. */
 typedef struct skf_model {
   double c[SKF_ALL_NODES];

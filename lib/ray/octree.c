@@ -67,6 +67,12 @@ bool skf_octree_add(const skf_octree *t, uint32_t i, skf_vec3 c, double radius, 
   return true;
 }
 
+static skf_vec3 center_of(const skf_branch *in, int k) {
+  double half = 0.5 * in->half;
+  skf_vec3 m = in->middle;
+  return v3(m.x + (k & 1 ? half : -half), m.y + (k & 2 ? half : -half), m.z + (k & 4 ? half : -half));
+}
+
 /* What is known of F in a cell. */
 typedef struct outlook {
   skf_outlook of;
@@ -119,9 +125,7 @@ static void look_closer(const skf_octree *t, const skf_cube *c, const uint32_t *
 /* Finds out what the k-th cell of a branch is; a leaf comes without its lists. */
 static int examine(const skf_octree *t, const skf_branch *in, int k, uint32_t *kept, uint32_t *keep, skf_leaf *leaf) {
   double half = 0.5 * in->half, made_of;
-  skf_cube c = {v3(in->middle.x + (k & 1 ? half : -half), in->middle.y + (k & 2 ? half : -half),
-                   in->middle.z + (k & 4 ? half : -half)),
-                half * (1 + SLACK), 1.7320508075688773 * half * (1 + SLACK)};
+  skf_cube c = {center_of(in, k), half * (1 + SLACK), 1.7320508075688773 * half * (1 + SLACK)};
   outlook o = look_out(t, &c, in, kept, keep);
   leaf->center = c.center;
   if (o.of.hi < t->iso) return SKF_CELL_OUTSIDE;
@@ -213,11 +217,15 @@ static skf_cell make_smooth(skf_octree *t, skf_smooth_kind kind, const skf_branc
   return (skf_cell)l + SKF_CELL_LEAF;
 }
 
+/* With the lock. */
+static void publish(skf_branch *in, int k, skf_cell c) {
+  atomic_store_explicit(in->child + k, c, memory_order_release);
+  if (c == SKF_CELL_OUTSIDE) atomic_fetch_or_explicit(&in->outside, 1u << k, memory_order_relaxed);
+}
+
 static skf_cell explore_smooth(skf_octree *t, skf_branch *in, int k) {
   double half = 0.5 * in->half;
-  skf_smooth_cell cell = {v3(in->middle.x + (k & 1 ? half : -half), in->middle.y + (k & 2 ? half : -half),
-                             in->middle.z + (k & 4 ? half : -half)),
-                          half * (1 + SLACK), k, in->level == LEVELS};
+  skf_smooth_cell cell = {center_of(in, k), half * (1 + SLACK), k, in->level == LEVELS};
   uint32_t *kept = skf_alloc(in->far->count, sizeof *kept), keep = 0;
   skf_patch patch;
   skf_model model;
@@ -227,8 +235,7 @@ static skf_cell explore_smooth(skf_octree *t, skf_branch *in, int k) {
   skf_cell c = atomic_load_explicit(in->child + k, memory_order_relaxed);
   if (!c) {
     c = make_smooth(t, kind, in, &cell, &patch, &model, kept, keep);
-    atomic_store_explicit(in->child + k, c, memory_order_release);
-    if (c == SKF_CELL_OUTSIDE) atomic_fetch_or_explicit(&in->outside, 1u << k, memory_order_relaxed);
+    publish(in, k, c);
   }
   omp_unset_lock(&t->lock);
   skf_free(kept);
@@ -247,8 +254,7 @@ skf_cell skf_octree_explore(skf_octree *t, skf_branch *in, int k) {
   skf_cell c = atomic_load_explicit(in->child + k, memory_order_relaxed); /* somebody else may have been here */
   if (!c) {
     c = make(t, kind, in, kept, keep, &leaf);
-    atomic_store_explicit(in->child + k, c, memory_order_release);
-    if (c == SKF_CELL_OUTSIDE) atomic_fetch_or_explicit(&in->outside, 1u << k, memory_order_relaxed);
+    publish(in, k, c);
   }
   omp_unset_lock(&t->lock);
   if (kept != few) skf_free(kept);

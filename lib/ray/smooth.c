@@ -20,11 +20,6 @@ typedef struct outlook {
 
 static double largest(skf_vec3 a) { return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z))); }
 
-static void add(skf_margin *sum, const skf_margin *m) {
-  sum->value += m->value, sum->slope += m->slope, sum->bend += m->bend;
-  sum->fourth += m->fourth, sum->size += m->size;
-}
-
 /* Elements whose polynomial is good enough already go to the front of `kept`: *far of them. */
 static outlook look_out(const skf_smooth *t, const skf_smooth_cell *c, const skf_far_part *above, uint32_t *kept,
                         uint32_t *far, skf_margin *off_far) {
@@ -46,10 +41,10 @@ static outlook look_out(const skf_smooth *t, const skf_smooth_cell *c, const skf
     o.lo += skf_weight_times(s->least, s->least > 0 ? g.below : g.above.value);
     o.hi += skf_weight_times(s->most, s->most > 0 ? g.above.value : g.below);
     skf_margin m = skf_margin_of(s, near, g.above.value, c->half);
-    add(&o.off, &m);
+    skf_margin_add(&o.off, &m);
     o.drop += fmax(fabs(s->least), fabs(s->most)) * skf_source_grade(s, d, d).above.value * c->half / (d + c->half);
     if (!(m.value < INFINITY) || (m.value > FAR * m.size && m.value > small)) continue;
-    add(off_far, &m);
+    skf_margin_add(off_far, &m);
     kept[i] = kept[n], kept[n++] = k;
   }
   *far = n;
