@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Rays made ready side by side, with the bits of `begin` in query.c. */
+/* Rays made ready side by side, with the bits of `begin` in ask.c. */
 #ifndef SKF_RAY_PACKET_BOARD_H
 #define SKF_RAY_PACKET_BOARD_H
 
