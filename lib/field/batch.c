@@ -2,6 +2,7 @@
 /* Elements gathered in tiles; blocks of points, and for each block one tile after the other. */
 #include "field/batch.h"
 #include "core/alloc.h"
+#include "core/sum.h"
 #include <omp.h>
 #include <string.h>
 
@@ -100,13 +101,6 @@ void skf_batch_free(skf_batch *b) {
   *b = (skf_batch){.tiles = 0};
 }
 
-/* Each rounding error is found exactly [Knuth] and summed apart [Neumaier 1974]. */
-static void add(double *s, double *low, double b) {
-  double a = *s, sum = a + b, t = sum - a;
-  *s = sum;
-  *low += (a - (sum - t)) + (b - t);
-}
-
 static void closed(const skf_prepared *e, skf_vec3 x, double out[4]) {
   skf_value v = {.F = 0};
   skf_element_value(e, x, 1, &v);
@@ -118,7 +112,7 @@ static void add_closed(const skf_tile *t, size_t n, const double *const p[3], sk
     for (size_t i = 0; i < n; i++) {
       double part[4];
       closed(t->element[j], v3(p[0][i], p[1][i], p[2][i]), part);
-      for (int k = 0; k < 4; k++) add(sum->s[k] + i, sum->low[k] + i, part[k]);
+      for (int k = 0; k < 4; k++) sum_add_to(sum->s[k] + i, sum->low[k] + i, part[k]);
     }
 }
 
@@ -229,12 +223,12 @@ void skf_batch_at(const skf_batch *b, skf_vec3 p, bool exact, double out[4]) {
     }
     for (size_t j = 0; j < t->count; j++) {
       closed(t->element[j], p, out);
-      for (int k = 0; k < 4; k++) add(sum.s[k], sum.low[k], out[k]);
+      for (int k = 0; k < 4; k++) sum_add_to(sum.s[k], sum.low[k], out[k]);
     }
   }
   for (int k = 0; k < 4; k++) {
     double s = sum.s[k][0], low = sum.low[k][0];
-    for (int i = 1; exact && i < SKF_TILE; i++) add(&s, &low, sum.s[k][i]), low += sum.low[k][i];
+    for (int i = 1; exact && i < SKF_TILE; i++) sum_add_to(&s, &low, sum.s[k][i]), low += sum.low[k][i];
     sum.s[k][0] = s;
     out[k] = s - s == 0 ? s + low : s;
     if (k > 0 && sum.s[0][0] - sum.s[0][0] != 0) out[k] = 0;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Fields: sums of elements, evaluated at points. */
 #include "core/alloc.h"
+#include "core/sum.h"
 #include "field/batch.h"
 #include "field/far.h"
 #include "field/far_mixture.h"
@@ -155,21 +156,8 @@ const skf_prepared *skf_field_prepared(const skf_field *f) { return f->prepared;
 size_t skf_field_size(const skf_field *f) { return f->n; }
 const skf_element *skf_field_element(const skf_field *f, size_t i) { return i < f->n ? f->elements + i : NULL; }
 
-/* A sum with the rounding errors kept apart [Neumaier 1974]. */
-typedef struct sum {
-  double s, low;
-} sum;
-
-static void add(sum *a, double b) {
-  double t = a->s + b;
-  a->low += fabs(a->s) >= fabs(b) ? (a->s - t) + b : (b - t) + a->s;
-  a->s = t;
-}
-
-static double total(sum a) { return isfinite(a.s) ? a.s + a.low : a.s; }
-
 static double evaluate(const skf_field *f, bool solids, skf_vec3 x, int order, skf_vec3 *g, double h[6]) {
-  sum F = {0, 0}, G[3] = {{0, 0}}, H[6] = {{0, 0}};
+  skf_sum F = {0, 0}, G[3] = {{0, 0}}, H[6] = {{0, 0}};
   size_t plain = f->direct_count + f->far_count, all = plain + (solids ? f->n - f->plain : 0);
   for (size_t i = 0; i < all; i++) {
     bool far = i >= f->direct_count && i < plain;
@@ -180,16 +168,16 @@ static double evaluate(const skf_field *f, bool solids, skf_vec3 x, int order, s
     else
       skf_element_value(e, x, order, &v);
     double w = far ? 1 : e->strength;
-    add(&F, w * v.F);
-    add(G + 0, w * v.g.x);
-    add(G + 1, w * v.g.y);
-    add(G + 2, w * v.g.z);
-    for (int k = 0; order > 1 && k < 6; k++) add(H + k, w * v.h[k]);
+    sum_add(&F, w * v.F);
+    sum_add(G + 0, w * v.g.x);
+    sum_add(G + 1, w * v.g.y);
+    sum_add(G + 2, w * v.g.z);
+    for (int k = 0; order > 1 && k < 6; k++) sum_add(H + k, w * v.h[k]);
   }
-  bool finite = isfinite(F.s);
-  *g = finite ? v3(total(G[0]), total(G[1]), total(G[2])) : v3(0, 0, 0);
-  for (int k = 0; order > 1 && k < 6; k++) h[k] = finite ? total(H[k]) : 0;
-  return total(F);
+  bool finite = isfinite(F.high);
+  *g = finite ? v3(sum_total(G[0]), sum_total(G[1]), sum_total(G[2])) : v3(0, 0, 0);
+  for (int k = 0; order > 1 && k < 6; k++) h[k] = finite ? sum_total(H[k]) : 0;
+  return sum_total(F);
 }
 
 double skf_field_at(const skf_field *f, skf_vec3 p, skf_vec3 *g) {

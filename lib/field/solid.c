@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Solids point by point, and the integrals that need care next to edges and faces. */
 #include "field/solid.h"
+#include "core/sum.h"
 #include "field/segment_frame.h"
 #include "field/triangle.h"
 
@@ -23,13 +24,6 @@ typedef struct view {
   skf_vec3 d[3 * SKF_SOLID_BLOCK];
   double r[3 * SKF_SOLID_BLOCK];
 } view;
-
-/* A sum with its rounding errors apart [Neumaier 1974]. */
-static void add(double *s, double *low, double b) {
-  double a = *s, sum = a + b, t = sum - a;
-  *s = sum;
-  *low += (a - (sum - t)) + (b - t);
-}
 
 static void add_edges(const skf_solid_block *b, skf_vec3 x, const view *w, double out[SKF_SOLID_OUT]) {
   const double *E = b->edge;
@@ -91,7 +85,7 @@ static void near_point(const skf_solid *s, skf_vec3 x, double out[SKF_SOLID_OUT]
     }
     add_edges(b, x, &w, part);
     add_faces(b, x, &w, part);
-    for (int k = 0; k < SKF_SOLID_OUT; k++) add(out + k, low + k, part[k]);
+    for (int k = 0; k < SKF_SOLID_OUT; k++) sum_add_to(out + k, low + k, part[k]);
   }
   for (int k = 0; k < SKF_SOLID_OUT; k++) out[k] += low[k];
   out[0] *= 0.5;

@@ -27,11 +27,4 @@ static inline double clock_angle(skf_clock t, double rate) {
   return fma(-k, tau, p) + fma(-k, tau_low, e);
 }
 
-/* sum += x with the rounding error kept in low (Neumaier). */
-static inline void sum_add(double *sum, double *low, double x) {
-  double s = *sum + x, b = s - *sum;
-  *low += (*sum - (s - b)) + (x - b);
-  *sum = s;
-}
-
 #endif

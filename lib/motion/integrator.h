@@ -4,6 +4,7 @@
 #define SKF_MOTION_INTEGRATOR_H
 
 #include "skelfield/motion.h"
+#include "core/sum.h"
 #include "field/some.h"
 #include "motion/path.h"
 #include "motion/world.h"
@@ -140,9 +141,9 @@ static inline void skf_lane_count(skf_lane *lane, skf_clock from, const skf_orbi
 
 /* x += by d, errors kept. */
 static inline void skf_orbit_add(skf_vec3 *x, skf_vec3 *low, skf_vec3 d) {
-  sum_add(&x->x, &low->x, d.x);
-  sum_add(&x->y, &low->y, d.y);
-  sum_add(&x->z, &low->z, d.z);
+  sum_add_to(&x->x, &low->x, d.x);
+  sum_add_to(&x->y, &low->y, d.y);
+  sum_add_to(&x->z, &low->z, d.z);
 }
 
 #endif

@@ -3,6 +3,7 @@
 #include "scene/reader.h"
 #include "scene/skeleton.h"
 #include "core/alloc.h"
+#include "core/sum.h"
 #include "core/vec3.h"
 #include <float.h>
 #include <stdint.h>
@@ -136,15 +137,14 @@ const skf_section skf_section_body = {"body", "a skeleton, its surface and its m
 
 /* Sum of w mu, compensated, and of its absolute terms. */
 static double total_measure(const skf_body *b, double *absolute) {
-  double sum = 0, lost = 0;
+  skf_sum sum = {0, 0};
   *absolute = 0;
   for (size_t i = 0; i < b->element_count; i++) {
-    double term = b->elements[i].strength * skf_element_measure(b->elements + i), next = sum + term;
-    lost += fabs(sum) >= fabs(term) ? (sum - next) + term : (term - next) + sum;
-    sum = next;
+    double term = b->elements[i].strength * skf_element_measure(b->elements + i);
+    sum_add(&sum, term);
     *absolute += fabs(term);
   }
-  return isfinite(sum) ? sum + lost : sum;
+  return sum_total(sum);
 }
 
 static skf_status set_density(skf_reader *r, skf_body *b, const skf_node *map) {

@@ -3,26 +3,14 @@
 #include "skeleton/solid.h"
 #include "skeleton/shape.h"
 #include "core/alloc.h"
-
-/* Sum with its rounding errors kept apart [Neumaier 1974]. */
-typedef struct total {
-  double sum, rest;
-} total;
-
-static void add(total *t, double x) {
-  double s = t->sum + x;
-  t->rest += fabs(t->sum) >= fabs(x) ? (t->sum - s) + x : (x - s) + t->sum;
-  t->sum = s;
-}
-
-static double value(total t) { return t.sum + t.rest; }
+#include "core/sum.h"
 
 static const int axes[6][2] = {{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}};
 
 /* Signed tetrahedra from the middle of the box: of one with corners 0, a, b, c and d = det(a, b, c), the volume is
    d / 6, int x dV = d (a + b + c) / 24, int x x' dV = d (s s' + a a' + b b' + c c') / 120, s = a + b + c. */
 void skf_solid_weigh(const skf_solid_mesh *m, skf_solid_info *out) {
-  total area = {0, 0}, volume = {0, 0}, first[3] = {{0, 0}}, second[6] = {{0, 0}};
+  skf_sum area = {0, 0}, volume = {0, 0}, first[3] = {{0, 0}}, second[6] = {{0, 0}};
   out->bounds = box_empty();
   for (size_t i = 0; i < m->nv; i++) out->bounds = box_add(out->bounds, m->v[i]);
   skf_vec3 o = box_center(out->bounds);
@@ -31,21 +19,21 @@ void skf_solid_weigh(const skf_solid_mesh *m, skf_solid_info *out) {
     for (int k = 0; k < 3; k++) a[k] = v3_sub(m->v[m->f[i][k]], o);
     a[3] = v3_add(a[0], v3_add(a[1], a[2]));
     double d = v3_dot(a[0], v3_cross(a[1], a[2]));
-    add(&area, 0.5 * v3_norm(v3_cross(v3_sub(a[1], a[0]), v3_sub(a[2], a[0]))));
-    add(&volume, d / 6);
-    for (int k = 0; k < 3; k++) add(first + k, d * v3_get(a[3], k) / 24);
+    sum_add(&area, 0.5 * v3_norm(v3_cross(v3_sub(a[1], a[0]), v3_sub(a[2], a[0]))));
+    sum_add(&volume, d / 6);
+    for (int k = 0; k < 3; k++) sum_add(first + k, d * v3_get(a[3], k) / 24);
     for (int k = 0; k < 6; k++) {
       double s = 0;
       for (int j = 0; j < 4; j++) s += v3_get(a[j], axes[k][0]) * v3_get(a[j], axes[k][1]);
-      add(second + k, d * s / 120);
+      sum_add(second + k, d * s / 120);
     }
   }
-  double V = value(volume), moment[6];
-  skf_vec3 c = v3(value(first[0]) / V, value(first[1]) / V, value(first[2]) / V);
-  for (int k = 0; k < 6; k++) moment[k] = value(second[k]) - V * v3_get(c, axes[k][0]) * v3_get(c, axes[k][1]);
+  double V = sum_total(volume), moment[6];
+  skf_vec3 c = v3(sum_total(first[0]) / V, sum_total(first[1]) / V, sum_total(first[2]) / V);
+  for (int k = 0; k < 6; k++) moment[k] = sum_total(second[k]) - V * v3_get(c, axes[k][0]) * v3_get(c, axes[k][1]);
   double trace = moment[0] + moment[3] + moment[5];
   for (int k = 0; k < 6; k++) out->inertia[k] = (axes[k][0] == axes[k][1] ? trace : 0) - moment[k];
-  out->area = value(area), out->volume = V, out->center = v3_add(o, c);
+  out->area = sum_total(area), out->volume = V, out->center = v3_add(o, c);
 }
 
 /* Everything after the mesh is clean. */

@@ -1,24 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Measures and defects of a mesh, without any other library. */
+#include "core/sum.h"
 #include "core/vec3.h"
 #include "surface/edges.h"
 #include <float.h>
 
 static double size_of(skf_vec3 p) { return fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))); }
 
-/* Sum with a carried remainder [Neumaier 1974]. */
-typedef struct total {
-  double sum, rest;
-} total;
-
-static void add(total *t, double x) {
-  double s = t->sum + x;
-  t->rest += fabs(t->sum) >= fabs(x) ? (t->sum - s) + x : (x - s) + t->sum;
-  t->sum = s;
-}
-
 static void shapes(const skf_mesh *m, skf_mesh_measure *r, skf_vec3 center) {
-  total area = {0, 0}, volume = {0, 0}, angles = {0, 0};
+  skf_sum area = {0, 0}, volume = {0, 0}, angles = {0, 0};
   r->angle_min = m->triangle_count ? SKF_PI : 0;
   for (size_t t = 0; t < m->triangle_count; t++) {
     const unsigned *v = m->triangles[t];
@@ -33,13 +23,13 @@ static void shapes(const skf_mesh *m, skf_mesh_measure *r, skf_vec3 center) {
     }
     bool repeated = v[0] == v[1] || v[1] == v[2] || v[2] == v[0];
     r->degenerate += repeated || !(two > 4 * DBL_EPSILON * size * longest);
-    add(&area, 0.5 * two);
-    add(&volume, v3_dot(p[0], v3_cross(p[1], p[2])) / 6);
-    add(&angles, smallest);
+    sum_add(&area, 0.5 * two);
+    sum_add(&volume, v3_dot(p[0], v3_cross(p[1], p[2])) / 6);
+    sum_add(&angles, smallest);
     r->angle_min = fmin(r->angle_min, smallest);
   }
-  r->area = area.sum + area.rest, r->volume = volume.sum + volume.rest;
-  r->angle_mean = m->triangle_count ? (angles.sum + angles.rest) / (double)m->triangle_count : 0;
+  r->area = sum_total(area), r->volume = sum_total(volume);
+  r->angle_mean = m->triangle_count ? sum_total(angles) / (double)m->triangle_count : 0;
 }
 
 static unsigned opposite(const skf_mesh *m, size_t side) {
