@@ -75,7 +75,9 @@ static int write_picture(render_job *j) {
   unsigned char *bytes;
   size_t n;
   int status = render_picture(j, j->format->ending, &bytes, &n);
-  if (!status) status = picture_write(j->c, j->plot, bytes, n);
+  if (status) return status;
+  status = picture_write(j->c, bytes, n);
+  render_give_back(j, bytes);
   if (!status && j->cut) status = cli_fail(CLI_FAILED, "interrupted: the picture shows what was done");
   return status;
 }
@@ -90,7 +92,7 @@ static int work(render_job *j) {
   if (!status) status = run_read(cli_value(j->c, "orbits"), cli_value(j->c, "contacts"), &j->run);
   if (!status) status = render_bodies(j);
   if (!status) status = render_camera(j);
-  if (!status) status = picture_module(&j->plot);
+  if (!status && (!render_is_plain(j) || j->scene->image_count)) status = picture_module(&j->plot);
   if (!status) status = render_images(j);
   if (status) return status;
   render_ground(j);

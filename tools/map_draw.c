@@ -202,5 +202,7 @@ int map_draw(map_job *j) {
   char error[256];
   if (j->plot->encode(j->chart.canvas, j->format->ending, &bytes, &n, error))
     return cli_fail(CLI_FAILED, "%s: %s", cli_value(j->c, "output") ? cli_value(j->c, "output") : "stdout", error);
-  return picture_write(j->c, j->plot, bytes, n);
+  status = picture_write(j->c, bytes, n);
+  j->plot->release(bytes);
+  return status;
 }

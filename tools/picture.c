@@ -60,14 +60,13 @@ int picture_module(const skf_plot **out) {
   return *out ? CLI_DONE : cli_fail(CLI_FAILED, "%s", error);
 }
 
-int picture_write(const cli *c, const skf_plot *plot, unsigned char *bytes, size_t n) {
+int picture_write(const cli *c, const unsigned char *bytes, size_t n) {
   cli_out o;
   int status = cli_out_open(&o, cli_value(c, "output"));
   if (!status) {
     fwrite(bytes, 1, n, o.file);
     status = cli_out_commit(&o);
   }
-  plot->release(bytes);
   return status;
 }
 

@@ -15,8 +15,8 @@ int picture_format(const cli *c, const skf_picture_format **out);
 int picture_format_of(const char *path, const skf_picture_format **out);
 /* Loads the drawing module; CLI_FAILED after the message. */
 int picture_module(const skf_plot **out);
-/* Writes the bytes of an encoded picture to -o. Takes the bytes. */
-int picture_write(const cli *c, const skf_plot *plot, unsigned char *bytes, size_t n);
+/* Writes the bytes of an encoded picture to -o. */
+int picture_write(const cli *c, const unsigned char *bytes, size_t n);
 /* Colours that tell particles apart on any colour map, sRGB. */
 void picture_color(size_t i, double rgba[4]);
 

@@ -100,7 +100,7 @@ static int frames(render_job *j, avi *film) {
     if (!status) status = render_picture(j, j->format->ending, &bytes, &n);
     if (status) return status;
     if (!j->cut) status = j->video ? avi_add(film, bytes, n) : write_frame(j, k, bytes, n);
-    j->plot->release(bytes);
+    render_give_back(j, bytes);
     if (j->cut) return cli_say("skelfield: interrupted: %d of %d frames are written", k, j->frames), CLI_DONE;
   }
   return status;

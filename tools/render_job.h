@@ -12,7 +12,7 @@ typedef enum render_mode { RENDER_SURFACE, RENDER_OFFSET, RENDER_COST } render_m
 typedef struct render_job {
   const cli *c;
   skf_scene *scene;
-  const skf_plot *plot;
+  const skf_plot *plot; /* NULL where nothing is drawn or read */
   const skf_picture_format *format;
   run_data run;
   render_mode mode;
@@ -49,8 +49,11 @@ void render_release(render_job *j);
 /* ---- render_output.c ---- */
 /* Traces the picture into rgb and depth. */
 int render_trace(render_job *j);
-/* Its bytes in a format, with the paths up to a time; give them back with plot->release. */
+/* Whether the picture is a PNG without paths or axes, which needs no drawing module. */
+bool render_is_plain(const render_job *j);
+/* Its bytes in a format, with the paths up to a time; give them back with render_give_back. */
 int render_encode(render_job *j, const char *ending, unsigned char **bytes, size_t *n);
+void render_give_back(const render_job *j, unsigned char *bytes);
 /* The cost map as a chart. */
 int render_cost(render_job *j, unsigned char **bytes, size_t *n);
 /* Trace and encode, or the cost map. */

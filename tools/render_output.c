@@ -3,6 +3,7 @@
 #include "render_job.h"
 #include "render_paths.h"
 #include "chart.h"
+#include "png.h"
 #include "core/vec3.h"
 #include <math.h>
 #include <stdlib.h>
@@ -59,6 +60,30 @@ static skf_status deep(render_job *j, const char *ending, unsigned char **bytes,
   return s;
 }
 
+bool render_is_plain(const render_job *j) {
+  bool paths = j->run.particle_count || j->run.contact_count;
+  return !strcmp(j->format->ending, "png") && j->mode != RENDER_COST && !paths;
+}
+
+void render_give_back(const render_job *j, unsigned char *bytes) {
+  if (render_is_plain(j))
+    free(bytes);
+  else
+    j->plot->release(bytes);
+}
+
+static skf_status plain(const render_job *j, unsigned char **bytes, size_t *n, char error[256]) {
+  int w = j->what.width, h = j->what.height;
+  size_t pixels = (size_t)w * h;
+  void *image = malloc(3 * pixels * (size_t)(j->bits / 8));
+  if (image && j->bits == 16) skf_render_srgb16(j->rgb, pixels, image);
+  if (image && j->bits == 8) skf_render_srgb(j->rgb, w, pixels, image);
+  skf_status s = image && png_encode(w, h, j->bits, image, bytes, n) ? SKF_OK : SKF_ERR_NOMEM;
+  if (s) snprintf(error, 256, "out of memory");
+  free(image);
+  return s;
+}
+
 static int done(const render_job *j, skf_status s, const char *error) {
   const char *path = cli_value(j->c, "output");
   return s ? cli_fail(CLI_FAILED, "%s: %s", path ? path : "stdout", error) : CLI_DONE;
@@ -67,7 +92,9 @@ static int done(const render_job *j, skf_status s, const char *error) {
 int render_encode(render_job *j, const char *ending, unsigned char **bytes, size_t *n) {
   char error[256];
   skf_status s;
-  if (j->format->linear)
+  if (render_is_plain(j))
+    s = plain(j, bytes, n, error);
+  else if (j->format->linear)
     s = j->plot->encode_linear(j->what.width, j->what.height, j->rgb, ending, bytes, n, error);
   else
     s = j->bits == 16 ? deep(j, ending, bytes, n, error) : draw(j, ending, bytes, n, error);

@@ -61,7 +61,7 @@ refused "an infinite place" 'inf.csv:2: malformed, missing or non-finite number'
 printf 'x,y,z\n1,2,3\n' >other.csv
 refused "another table" 'other.csv:1: this is not its header, expected' render ball.yaml -o a.png --orbits other.csv
 
-run render ball.yaml -o probe.png --size 16x16 --spp 1
+run map ball.yaml -o probe.png --size 160x120
 [ "$ran_status" -eq 1 ] && grep -q 'has no OpenCV' "$kept/err" && tap_done && exit 0 # the rest draws
 
 png_size() { od -An -tu1 -j16 -N8 "$1" | awk '{ print $1 * 16777216 + $2 * 65536 + $3 * 256 + $4 "x" $5 * 16777216 + $6 * 65536 + $7 * 256 + $8 }'; }
