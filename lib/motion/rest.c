@@ -3,8 +3,8 @@
    with the impulses of those that approach faster than a hop, one after another, and of the others at once. Then come
    forces, taken as constant over the step: what they change of the velocities obeys Signorini's and Coulomb's laws at
    the step's end, half of it times the step changes the places [Moreau 1988; Stewart and Trinkle 1996]. A step ends
-   where another place touches. What is left of overlaps is undone by displacements, and any energy that has come of it
-   is taken from the speeds. */
+   where another place touches. What is left of overlaps is undone by displacements. That costs energy, once, for the
+   gaps: it is left out of what must not grow, see keep.c. */
 #include "motion/swarm.h"
 #include "core/alloc.h"
 #include <float.h>
@@ -50,6 +50,12 @@ static bool held(const skf_swarm *s, const skf_bond *b, const skf_spot *at) {
   if (at->lost || at->gap > band(s, b)) return false;
   double out = parting(s, s->y, b, at), hop = skf_swarm_hop(s, s->slope, b->a, b->b);
   return out <= hop && (out >= -hop || at->gap <= 2 * aim(s, b));
+}
+
+bool skf_rest_touch(const skf_swarm *s, size_t k, int i) {
+  const skf_bond *b = s->here.bond + k;
+  const skf_spot *end = s->there.bond[k].spot + i;
+  return (i < b->n && held(s, b, b->spot + i)) || (!end->lost && end->gap <= 2 * aim(s, b));
 }
 
 /* ---- The impulses at the start ---- */
@@ -234,35 +240,6 @@ static skf_status separate(skf_swarm *s, double *to) {
   return SKF_OK;
 }
 
-static double kinetic(const skf_swarm *s, const double *y, size_t i) {
-  skf_attitude a = skf_mover_at(s, y, i);
-  return mover(s, i)->free ? 0.5 * (mover(s, i)->is.mass * v3_norm2(a.v) + v3_dot(a.L, a.w)) : 0;
-}
-
-static double energy(const skf_swarm *s, const double *y) {
-  double E = skf_swarm_potential(s, y);
-  for (size_t i = 0; i < s->n; i++) E += kinetic(s, y, i);
-  return E;
-}
-
-/* Takes energy that has come from nothing out of the speeds of those that touch. */
-static void pay(const skf_swarm *s, double *to) {
-  double more = energy(s, to) - energy(s, s->y), T = 0;
-  bool *touches = s->touches;
-  if (!(more > 0)) return;
-  memset(touches, 0, s->n * sizeof *touches);
-  for (size_t k = 0; k < s->here.n; k++)
-    for (int i = 0; i < s->here.bond[k].n; i++)
-      if (held(s, s->here.bond + k, s->here.bond[k].spot + i))
-        touches[s->here.bond[k].a] = touches[s->here.bond[k].b] = true;
-  for (size_t i = 0; i < s->n; i++)
-    if (touches[i]) T += kinetic(s, to, i);
-  double left = T > more ? sqrt(1 - more / T) : 0;
-  for (size_t i = 0; i < s->n; i++)
-    for (int k = 0; k < 3 && touches[i]; k++)
-      to[i * SKF_MOVER_STATE + 3 + k] *= left, to[i * SKF_MOVER_STATE + 10 + k] *= left;
-}
-
 /* Counts the steps in which nothing has moved, and notes whether bodies still are near each other. */
 static void judge(skf_swarm *s) {
   bool still = true, near = false;
@@ -296,7 +273,7 @@ static skf_status room(skf_swarm *s) {
 /* Up to where something else touches; *h is what was taken. */
 static skf_status advance(skf_swarm *s, double *h, double *to) {
   double *ideal = s->ideal;
-  for (int tries = 0; tries < TRIES; tries++) {
+  for (int tries = 1;; tries++) {
     skf_status bad = skf_swarm_extrapolate(s, *h, ideal, h);
     if (!bad) bad = lean(s, ideal, *h, &s->here, s->y, to);
     if (bad) return bad;
@@ -310,10 +287,9 @@ static skf_status advance(skf_swarm *s, double *h, double *to) {
     if (part == 1) bad = skf_bonds_check(s, to, &s->there, &least);
     if (bad) return bad;
     if (least < LOW) part = 0.5; /* it came into being within the step */
-    if (part == 1 || *h * part < 64 * DBL_EPSILON * fabs(s->t)) return SKF_OK;
+    if (part == 1 || tries == TRIES || *h * part < 64 * DBL_EPSILON * fabs(s->t)) return SKF_OK;
     *h *= part;
   }
-  return SKF_OK;
 }
 
 skf_status skf_rest_step(skf_swarm *s, double most, skf_status (*told)(void *, const skf_rigid_hit *), void *user) {
@@ -326,9 +302,11 @@ skf_status skf_rest_step(skf_swarm *s, double most, skf_status (*told)(void *, c
   if (!bad) bad = strike_all(s, told, user);
   if (!bad) bad = soften(s);
   if (!bad) bad = advance(s, &h, to);
+  double start = skf_swarm_energy(s, s->y), before = bad ? 0 : skf_swarm_energy(s, to);
   if (!bad) bad = separate(s, to);
   if (bad) return bad;
-  pay(s, to);
+  skf_rest_group(s);
+  skf_rest_keep(s, s->ideal, start + fmax(0, skf_swarm_energy(s, to) - before), to);
   memcpy(s->y, to, s->n * SKF_MOVER_STATE * sizeof *to);
   skf_bonds_tidy(&s->there);
   skf_bonds last = s->here;

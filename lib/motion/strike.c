@@ -20,8 +20,7 @@ static skf_vec3 yields(const skf_mover *m, const skf_attitude *a, skf_vec3 x, sk
 
 static skf_vec3 speed(const skf_attitude *a, skf_vec3 x) { return v3_add(a->v, v3_cross(a->w, v3_sub(x, a->x))); }
 
-/* Solves K x = r for a symmetric K given by its columns. */
-static skf_vec3 solve(const skf_vec3 K[3], skf_vec3 r) {
+skf_vec3 skf_symmetric_solve(const skf_vec3 K[3], skf_vec3 r) {
   double det = v3_dot(K[0], v3_cross(K[1], K[2]));
   return v3(v3_dot(r, v3_cross(K[1], K[2])) / det, v3_dot(K[0], v3_cross(r, K[2])) / det,
             v3_dot(K[0], v3_cross(K[1], r)) / det);
@@ -43,7 +42,7 @@ static skf_vec3 impulse(const skf_vec3 K[3], skf_vec3 u, skf_vec3 n, double e, d
   skf_vec3 slip = v3_mad(u, -un, n), J = v3_scale(-(1 + e) * un / v3_dot(n, turn(K, n)), n);
   if (!(mu > 0)) return J;
   /* what would end the slip, if friction reaches so far; else Coulomb's against the slip */
-  skf_vec3 stick = solve(K, v3_sub(v3_scale(-e * un, n), u)), along = v3_mad(stick, -v3_dot(stick, n), n);
+  skf_vec3 stick = skf_symmetric_solve(K, v3_sub(v3_scale(-e * un, n), u)), along = v3_mad(stick, -v3_dot(stick, n), n);
   if (v3_norm(along) <= mu * v3_dot(stick, n)) return stick;
   skf_vec3 way = v3_mad(n, -mu, v3_unit(slip));
   double Kn = v3_dot(n, turn(K, way));

@@ -50,11 +50,7 @@ static void start(const skf_mover *m, double *y) {
   const skf_rigid_state *at = &m->is.start;
   double q[4] = {at->q[0], at->q[1], at->q[2], at->q[3]};
   quat_normalize(q);
-  skf_vec3 w = quat_turn(q, -1, at->angular_velocity);
-  const double *I = m->inertia;
-  w = v3(I[0] * w.x + I[1] * w.y + I[2] * w.z, I[1] * w.x + I[3] * w.y + I[4] * w.z,
-         I[2] * w.x + I[4] * w.y + I[5] * w.z);
-  w = quat_turn(q, 1, w);
+  skf_vec3 w = skf_mover_spun(m, q, at->angular_velocity);
   const double all[SKF_MOVER_STATE] = {at->position.x,
                                        at->position.y,
                                        at->position.z,
@@ -98,8 +94,8 @@ skf_status skf_swarm_new(const skf_rigid_body *bodies, size_t n, const skf_rigid
   s->y = skf_alloc(2 * n * SKF_MOVER_STATE, sizeof *s->y);
   s->work = skf_alloc(skf_swarm_work(n), sizeof *s->work);
   s->slope = skf_alloc(n * (2 * SKF_MOVER_STATE + 6), sizeof *s->slope);
-  s->touches = skf_alloc(n, sizeof *s->touches);
-  skf_status bad = s->bodies && s->y && s->work && s->slope && s->touches ? SKF_OK : SKF_ERR_NOMEM;
+  s->group = skf_alloc(n, sizeof *s->group);
+  skf_status bad = s->bodies && s->y && s->work && s->slope && s->group ? SKF_OK : SKF_ERR_NOMEM;
   if (!bad) s->ideal = s->slope + n * SKF_MOVER_STATE, s->speeds = s->ideal + n * SKF_MOVER_STATE;
   for (size_t i = 0; i < n && !bad; i++) {
     bad = set(s->bodies + i, bodies + i);
@@ -113,7 +109,7 @@ skf_status skf_swarm_new(const skf_rigid_body *bodies, size_t n, const skf_rigid
 void skf_swarm_free(skf_swarm *s) {
   if (!s) return;
   for (size_t i = 0; i < s->n && s->bodies; i++) skf_collider_free(s->bodies[i].hull), skf_free(s->bodies[i].node);
-  skf_free(s->bodies), skf_free(s->y), skf_free(s->work), skf_free(s->slope), skf_free(s->touches);
+  skf_free(s->bodies), skf_free(s->y), skf_free(s->work), skf_free(s->slope), skf_free(s->group);
   skf_bonds_clear(&s->here);
   skf_free(s->here.bond), skf_free(s->there.bond), skf_free(s->spare.bond), skf_free(s->press);
   skf_free(s);

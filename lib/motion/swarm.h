@@ -69,7 +69,7 @@ struct skf_swarm {
      and angular momenta; the length that a step should have */
   skf_bonds here, there, spare;
   double *slope, *ideal, *speeds, lull;
-  bool *touches;
+  size_t *group; /* of each body, by its first one */
   skf_press *press;
   size_t presses;
 };
@@ -81,7 +81,9 @@ typedef struct skf_attitude {
 
 /* Body i in a state. */
 skf_attitude skf_mover_at(const skf_swarm *s, const double *y, size_t i);
+/* Angular velocity of an angular momentum, and the other way round. */
 skf_vec3 skf_mover_spin(const skf_mover *m, const double q[4], skf_vec3 L);
+skf_vec3 skf_mover_spun(const skf_mover *m, const double q[4], skf_vec3 w);
 
 /* The nodes of a body's skeleton; SKF_ERR_UNSUPPORTED for what has none. */
 skf_status skf_mover_place_nodes(skf_mover *m);
@@ -89,6 +91,7 @@ skf_status skf_mover_place_nodes(skf_mover *m);
 /* dy/dt; false when not finite. */
 bool skf_swarm_slope(const skf_swarm *s, const double *y, double *dy);
 double skf_swarm_potential(const skf_swarm *s, const double *y);
+double skf_swarm_energy(const skf_swarm *s, const double *y);
 
 /* One step of at most h from s->y to `to`; *taken is what was taken, s->h what the next should be. */
 skf_status skf_swarm_extrapolate(skf_swarm *s, double h, double *to, double *taken);
@@ -98,6 +101,8 @@ size_t skf_swarm_work(size_t n);
 /* The impulse of a hit on the bodies of s->y; fills hit->impulse and hit->closing. False when they do not approach. A
    rebound slower than `hop` is none. */
 bool skf_swarm_strike(skf_swarm *s, skf_rigid_hit *hit, double hop);
+/* Solves K x = r for a symmetric K given by its columns. */
+skf_vec3 skf_symmetric_solve(const skf_vec3 K[3], skf_vec3 r);
 /* How fast a rebound between two bodies must at least be to be followed, given the accelerations of all. */
 double skf_swarm_hop(const skf_swarm *s, const double *slope, size_t i, size_t j);
 
@@ -106,6 +111,14 @@ double skf_swarm_pace(const skf_swarm *s, const double *slope);
 
 /* Goes on by a step of at most `most` while some lean on each other; `told` as for skf_swarm_run. */
 skf_status skf_rest_step(skf_swarm *s, double most, skf_status (*told)(void *, const skf_rigid_hit *), void *user);
+
+/* Whether two touch at place i of bond k, at the start of the step or at its end. */
+bool skf_rest_touch(const skf_swarm *s, size_t k, int i);
+/* Finds s->group: bodies that touch. */
+void skf_rest_group(skf_swarm *s);
+/* Gives each group at `to` that has no fixed body the momentum and angular momentum that it has at the end of the free
+   motion, and takes what energy there is beyond `most` from the motions within the groups. */
+void skf_rest_keep(skf_swarm *s, const double *free_end, double most, double *to);
 
 /* ---- Bonds ---- */
 

@@ -159,9 +159,10 @@ typedef struct skf_rigid_sums {
    `rolling`, solved for all places at once to 1e-14 of the speeds [Moreau 1988; Stewart and Trinkle 1996]; of second
    order in the step. Bodies that lean on each other hover: gaps go to 4e-9 of the size and are kept above 1e-9, both
    plus rounding of the places. tests/motion/test_rest.c finds no overlap by skf_collide. The energy never grows but for
-   what keeping the gap open takes where nothing moves, 1e-8 of weight times size. When no body has moved for ten steps
-   (1e-9 of the speed of a fall by its size), all is at rest for good. Two solids that touch along a line or a face are
-   held at up to 24 places. Overlaps from the start are undone by 1e-4 of the size a step. */
+   what keeping the gaps open takes, 1e-8 of weight times size; a group of bodies that touch, none of them fixed, keeps
+   its momentum and angular momentum to rounding, within 1e-12 there. When no body has moved for ten steps (1e-9 of the
+   speed of a fall by its size), all is at rest for good. Two solids that touch along a line or a face are held at up to
+   24 places. Overlaps from the start are undone by 1e-4 of the size a step. */
 typedef struct skf_swarm skf_swarm;
 
 /* SKF_ERR_ARG (no field, a mass or solid that is not positive, options out of range), SKF_ERR_RANGE (not finite),
