@@ -34,21 +34,28 @@ static double infimum(const skf_source *s, double d) {
   return s->measure * sum * (1 - 1e-12);
 }
 
-static skf_status tabulate(skf_source *s) {
+static void set_steps(skf_source *s) {
   double width = skf_kernel_width(s->element.kernel), size = 2 * s->reach;
   double first = width > 0 ? width / 16 : size / 4096;
   double last = fmin(8 * fmax(width, size), skf_kernel_end(s->element.kernel)); /* beyond there is nothing */
   s->unit = exp2(floor(log2(first)));
   s->grades = (size_t)fmin(PER_OCTAVE * (1 + ceil(log2(last / s->unit))), 40 * PER_OCTAVE);
-  s->grade = skf_alloc(s->grades, sizeof *s->grade);
-  if (!s->grade) return SKF_ERR_NOMEM;
+}
+
+/* The table, or NULL when memory is out; made by whoever needs it first. Blobs in an octree never do. */
+static const skf_grade *table_of(const skf_source *s) {
+  _Atomic(skf_grade *) *place = &((skf_source *)(uintptr_t)s)->grade;
+  skf_grade *g = atomic_load_explicit(place, memory_order_acquire), *other = NULL;
+  if (g || !(g = skf_alloc(s->grades, sizeof *g))) return g;
   for (size_t i = 0; i < s->grades; i++) {
     double octave = ldexp(s->unit, (int)(i / PER_OCTAVE)), step = octave / PER_OCTAVE;
     double d = octave + (double)(i % PER_OCTAVE) * step;
-    s->grade[i].above = skf_element_reach(&s->element, d);
-    s->grade[i].below = infimum(s, d + step);
+    g[i].above = skf_element_reach(&s->element, d);
+    g[i].below = infimum(s, d + step);
   }
-  return SKF_OK;
+  if (atomic_compare_exchange_strong(place, &other, g)) return g;
+  skf_free(g); /* somebody else was faster */
+  return other;
 }
 
 static void frame(skf_source *s) {
@@ -77,7 +84,7 @@ static void frame(skf_source *s) {
   }
 }
 
-skf_status skf_source_init(const skf_element *element, skf_source *s) {
+void skf_source_init(const skf_element *element, skf_source *s) {
   *s = (skf_source){.element = *element, .weight = element->strength};
   const skf_primitive *p = &s->element.primitive;
   skf_weight_range w = skf_element_weights(element);
@@ -92,7 +99,7 @@ skf_status skf_source_init(const skf_element *element, skf_source *s) {
   }
   s->end = (s->reach + skf_kernel_end(element->kernel)) * (1 + 1e-12);
   frame(s);
-  return p->shape == SKF_PLANE || p->shape == SKF_POINT ? SKF_OK : tabulate(s);
+  if (p->shape != SKF_PLANE && p->shape != SKF_POINT) set_steps(s);
 }
 
 void skf_source_free(skf_source *s) { skf_free(s->grade); }
@@ -176,12 +183,13 @@ skf_grade skf_source_grade(const skf_source *s, double near, double far) {
     g.above = skf_kernel_envelope(e->kernel, near);
     g.below = infimum(s, far);
   } else {
-    long k = bin(s, near), m = bin(s, far);
-    if (k >= (long)s->grades)
+    long k = bin(s, near), m = bin(s, far), end = (long)s->grades;
+    const skf_grade *table = (k >= 0 && k < end) || (m >= 0 && m < end) ? table_of(s) : NULL;
+    if (k >= end)
       g.above = scaled(s->measure, skf_kernel_envelope(e->kernel, near));
     else
-      g.above = k < 0 ? skf_element_reach(e, near) : s->grade[k].above;
-    g.below = m >= 0 && m < (long)s->grades ? s->grade[m].below : infimum(s, far);
+      g.above = k < 0 || !table ? skf_element_reach(e, near) : table[k].above;
+    g.below = m >= 0 && m < end && table ? table[m].below : infimum(s, far);
     if (far > 1e300) g.below = 0;
   }
   double spread = shape == SKF_PLANE ? 0 : 2 * s->reach;

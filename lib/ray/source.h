@@ -6,6 +6,7 @@
 #include "field/envelope.h"
 #include "field/weight.h"
 #include "skelfield/field.h"
+#include <stdatomic.h>
 
 /* Suprema of the primitive's field and its derivatives over all places at a distance >= d from it, and the infimum of
    the field over all places at a distance <= d. Strength is not in them. */
@@ -26,13 +27,13 @@ typedef struct skf_source {
   double length, cosine;
   bool whole, disc, sheet; /* a full circle; skf_source_disc, skf_source_steepness are of use */
   bool bulk;               /* a solid: skf_source_bulk is of use */
-  /* grades at unit, ... growing by eighths of octaves; none for points and planes */
+  /* grades at unit, ... growing by eighths of octaves, made when they are first asked for; none of points and planes */
   size_t grades;
   double unit;
-  skf_grade *grade;
+  _Atomic(skf_grade *) grade;
 } skf_source;
 
-skf_status skf_source_init(const skf_element *element, skf_source *out);
+void skf_source_init(const skf_element *element, skf_source *out);
 void skf_source_free(skf_source *s);
 
 /* Distance from x, to rounding. */

@@ -96,7 +96,7 @@ static skf_status find_region(skf_tracer *t) {
   return SKF_OK;
 }
 
-static skf_status add_sources(skf_tracer *t, bool linear, int *first, bool *mixed) {
+static void add_sources(skf_tracer *t, bool linear, int *first, bool *mixed) {
   for (size_t i = 0; i < skf_field_size(t->field); i++) {
     const skf_element *e = skf_field_element(t->field, i);
     if (e->strength == 0 || is_linear(e) != linear) continue;
@@ -104,15 +104,13 @@ static skf_status add_sources(skf_tracer *t, bool linear, int *first, bool *mixe
     if (!pair.closed) t->noise = fmax(t->noise, pair.error);     /* adaptive quadrature is not smooth */
     if (e->profile) t->noise = fmax(t->noise, 32 * DBL_EPSILON); /* of the sums over its nodes */
     if (e->primitive.shape == SKF_SOLID) t->noise = fmax(t->noise, 32 * DBL_EPSILON); /* long sums */
-    skf_status s = skf_source_init(e, t->sources + t->n);
-    if (s) return s;
+    skf_source_init(e, t->sources + t->n);
     int sign = sign_of((skf_weight_range){t->sources[t->n].least, t->sources[t->n].most});
     *mixed = *mixed || linear || !sign || sign * *first < 0;
     *first = sign;
     t->n++;
   }
   if (linear) t->linear = t->n;
-  return SKF_OK;
 }
 
 /* Terms of both signs within one element: the sum of the elements' magnitudes is not that of the terms. */
@@ -128,7 +126,7 @@ static skf_status fill(skf_tracer *t) {
   skf_status s;
   t->sources = skf_alloc(skf_field_size(t->field), sizeof *t->sources);
   if (!t->sources) return SKF_ERR_NOMEM;
-  if ((s = add_sources(t, true, &first, &mixed)) || (s = add_sources(t, false, &first, &mixed))) return s;
+  add_sources(t, true, &first, &mixed), add_sources(t, false, &first, &mixed);
   if (mixed && ((s = subfield(t->field, 1, &t->plus)) || (s = subfield(t->field, -1, &t->minus)))) return s;
   if (!(t->blobs = skf_alloc(t->n, sizeof *t->blobs))) return SKF_ERR_NOMEM;
   for (size_t i = 0; i < t->n; i++) {

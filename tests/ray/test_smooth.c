@@ -70,7 +70,7 @@ static void margins(void **unused) {
     }
     assert_int_equal(skf_field_new(e, ELEMENTS, &f), SKF_OK);
     for (size_t i = 0; i < ELEMENTS; i++) {
-      assert_int_equal(skf_source_init(skf_field_element(f, i), sources + i), SKF_OK);
+      skf_source_init(skf_field_element(f, i), sources + i);
       assert_true(skf_source_is_smooth(sources + i));
     }
     for (int cell = 0; cell < CELLS; cell++) {
