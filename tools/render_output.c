@@ -3,7 +3,7 @@
 #include "render_job.h"
 #include "render_paths.h"
 #include "chart.h"
-#include "png.h"
+#include "adapt/png_file.h"
 #include "core/vec3.h"
 #include <math.h>
 #include <stdlib.h>
@@ -62,7 +62,7 @@ static skf_status deep(render_job *j, const char *ending, unsigned char **bytes,
 
 bool render_is_plain(const render_job *j) {
   bool paths = j->run.particle_count || j->run.contact_count;
-  return !strcmp(j->format->ending, "png") && j->mode != RENDER_COST && !paths;
+  return skf_png_there() && !strcmp(j->format->ending, "png") && j->mode != RENDER_COST && !paths;
 }
 
 void render_give_back(const render_job *j, unsigned char *bytes) {
@@ -78,8 +78,8 @@ static skf_status plain(const render_job *j, unsigned char **bytes, size_t *n, c
   void *image = malloc(3 * pixels * (size_t)(j->bits / 8));
   if (image && j->bits == 16) skf_render_srgb16(j->rgb, pixels, image);
   if (image && j->bits == 8) skf_render_srgb(j->rgb, w, pixels, image);
-  skf_status s = image && png_encode(w, h, j->bits, image, bytes, n) ? SKF_OK : SKF_ERR_NOMEM;
-  if (s) snprintf(error, 256, "out of memory");
+  skf_status s = image ? skf_png_encode(w, h, j->bits, image, bytes, n) : SKF_ERR_NOMEM;
+  if (s) snprintf(error, 256, "%s", skf_status_text(s));
   free(image);
   return s;
 }
