@@ -106,25 +106,3 @@ double skf_fresnel(double cosine, double n, double *bent) {
   double across = (n * cosine - c) / (n * cosine + c), along = (cosine - n * c) / (cosine + n * c);
   return (across * across + along * along) / 2;
 }
-
-static double press(double x) { return x <= 0.7 ? fmax(x, 0) : 1 - 0.3 * exp((0.7 - x) / 0.3); }
-
-static double encode(double x) {
-  x = press(x);
-  return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
-}
-
-void skf_render_srgb(const float *rgb, int width, size_t n, unsigned char *out) {
-  for (size_t i = 0; i < n; i++) {
-    /* Noise of half a step, by a hash of the pixel's place. */
-    unsigned h = (unsigned)(i % (size_t)width) * 73856093u ^ (unsigned)(i / (size_t)width) * 19349663u;
-    h = (h ^ h >> 15) * 0x2c1b3c6du, h = (h ^ h >> 12) * 0x297a2d39u, h ^= h >> 15;
-    double noise = h / 4294967296.0 - 0.5;
-    for (int k = 0; k < 3; k++)
-      out[3 * i + k] = (unsigned char)fmin(fmax(floor(255 * encode(rgb[3 * i + k]) + 0.5 + noise), 0), 255);
-  }
-}
-
-void skf_render_srgb16(const float *rgb, size_t n, unsigned short *out) {
-  for (size_t i = 0; i < 3 * n; i++) out[i] = (unsigned short)fmin(fmax(floor(65535 * encode(rgb[i]) + 0.5), 0), 65535);
-}

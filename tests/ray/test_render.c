@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The renderer: silhouettes, shadows, cameras; the same picture for any number of threads. */
 #include "check.h"
+#include "random.h"
 #include "ray/render.h"
 #include <omp.h>
 #include <string.h>
@@ -237,6 +238,27 @@ static void light_becomes_bytes(void **state) {
   assert_true(out[3 * 255] >= 254);
 }
 
+/* Large pictures go by a table: with the bytes that the formula gives. */
+static void tables_change_no_byte(void **state) {
+  (void)state;
+  enum { WIDTH = 700, HEIGHT = 300 };
+  float *rgb = malloc(3 * sizeof *rgb * WIDTH * HEIGHT);
+  unsigned char *out = malloc(3 * WIDTH * HEIGHT);
+  uint64_t seed = 5;
+  for (int k = 0; k < 3 * WIDTH * HEIGHT; k++)
+    rgb[k] = (float)(k < 3 * WIDTH * HEIGHT / 4 ? 2.0 * k / (3 * WIDTH * HEIGHT) : exp(rnd(&seed, log(1e-6), log(30))));
+  rgb[5] = 0, rgb[6] = -1, rgb[7] = 0.7f, rgb[8] = 0.0031308f, rgb[9] = 0x1p-12f, rgb[10] = 8, rgb[11] = 1e9f;
+  skf_render_srgb(rgb, WIDTH, WIDTH * HEIGHT, out);
+  for (int k = 0; k < 3 * WIDTH * HEIGHT; k++) {
+    unsigned h = (unsigned)(k / 3 % WIDTH) * 73856093u ^ (unsigned)(k / 3 / WIDTH) * 19349663u;
+    h = (h ^ h >> 15) * 0x2c1b3c6du, h = (h ^ h >> 12) * 0x297a2d39u, h ^= h >> 15;
+    double x = rgb[k], p = x <= 0.7 ? fmax(x, 0) : 1 - 0.3 * exp((0.7 - x) / 0.3);
+    double v = 255 * (p <= 0.0031308 ? 12.92 * p : 1.055 * pow(p, 1 / 2.4) - 0.055) + h / 4294967296.0;
+    assert_int_equal(out[k], (int)fmin(v, 255));
+  }
+  free(rgb), free(out);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(silhouette),
@@ -248,6 +270,7 @@ int main(void) {
       cmocka_unit_test(cameras_frame_what_there_is),
       cmocka_unit_test(endless_surfaces_are_seen),
       cmocka_unit_test(light_becomes_bytes),
+      cmocka_unit_test(tables_change_no_byte),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
