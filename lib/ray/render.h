@@ -40,15 +40,19 @@ typedef struct skf_sight {
 /* How much of the sky and of each light reaches a place, in [0, 1]: the sky's share, then three for each light. */
 enum { SKF_LIT = 1 + 3 * SKF_RENDER_LIGHTS };
 
+enum { SKF_SHARES = 16, SKF_DIRECTIONS = 2 * SKF_SHARES };
+
 /* What all rays of a picture share. */
 typedef struct skf_stage {
   const skf_render_scene *s;
   skf_view view;
-  const skf_light *lights;
+  skf_light lights[SKF_RENDER_LIGHTS]; /* directions of length 1 */
   size_t light_count;
-  skf_light own_lights[3];
-  struct skf_palette **palettes; /* of each body, or NULL */
-  const bool *clear;             /* whether a body lets light through anywhere */
+  skf_vec3 directions[SKF_DIRECTIONS]; /* evenly over the sphere */
+  skf_render_body *bodies;             /* the scene's, each with a look */
+  skf_look *looks;                     /* of those that have none of their own */
+  struct skf_palette **palettes;       /* of each body, or NULL */
+  const bool *clear;                   /* whether a body lets light through anywhere */
   int bounces;
 } skf_stage;
 
@@ -65,23 +69,33 @@ typedef struct skf_beam {
   double height;    /* in the picture, 0 to 1, of what a ray of the camera sees of the background; else < 0 */
 } skf_beam;
 
-enum { SKF_SHARES = 16 };
-
-/* ---- render_trace.c ---- */
+/* ---- render_sight.c ---- */
+bool skf_body_turns(const skf_render_body *b);
+/* In the body's own frame. */
+skf_ray skf_body_ray(const skf_render_body *b, const skf_beam *beam, double t_max);
+/* The first surface of one body beyond the ray's start, before best->t. */
+bool skf_meet(const skf_render_body *b, const skf_beam *beam, skf_sight *best, int index, skf_ray_report *report);
 skf_sight skf_look_along(const skf_stage *g, const skf_beam *beam, skf_ray_report *report);
-/* The same for n beams, bit for bit: quicker for neighbours. */
+/* The same for n <= SKF_MANY beams, bit for bit: quicker for neighbours. */
 enum { SKF_MANY = 64 };
 void skf_look_many(const skf_stage *g, size_t n, const skf_beam *beams, skf_sight *out);
-/* Rays to the sky (`sky` of them) and to each light (`soft` to those with an extent) fill lit; hard_only leaves all but
+
+/* ---- render_light.c ---- */
+void skf_light_directions(skf_vec3 *out);
+/* Rays to the sky (`sky` of them) and to each light (`soft` to those with an extent) fill lit. */
+void skf_light_at(const skf_stage *g, const skf_sight *at, const skf_beam *beam, int sky, int soft, float *lit);
+/* The same for n <= SKF_MANY places, bit for bit: quicker for neighbours with the same share. hard_only leaves all but
    the hard lights. */
-void skf_light_at(const skf_stage *g, const skf_sight *at, const skf_beam *beam, int sky, int soft, bool hard_only,
-                  float *lit);
+void skf_light_many(const skf_stage *g, size_t n, const skf_sight *const *at, const skf_beam *beams, int sky, int soft,
+                    bool hard_only, float *const *lit);
+
+/* ---- render_trace.c ---- */
 /* Light back along the beam from what it meets. */
 void skf_radiance(const skf_stage *g, const skf_beam *beam, const skf_sight *at, const float *lit, double rgb[3]);
 bool skf_light_is_hard(const skf_light *light);
 
 /* ---- render_shade.c ---- */
-/* Direction to a light and how far it is, INFINITY for directional ones. */
+/* Direction to a light of the stage and how far it is, INFINITY for directional ones. */
 skf_vec3 skf_light_direction(const skf_light *light, skf_vec3 at, double *distance);
 /* The same to one place of its extent; a, b in [0, 1). */
 skf_vec3 skf_light_sample(const skf_light *light, skf_vec3 at, double a, double b, double *distance);
@@ -101,9 +115,10 @@ double skf_fresnel(double cosine, double n, double *bent);
 typedef struct skf_palette skf_palette;
 skf_status skf_palette_new(const skf_render_body *body, skf_palette **out);
 void skf_palette_free(skf_palette *p);
-/* The look at a place of a body, with its textures, and the normal that they turn. p may be NULL. */
-void skf_palette_at(const skf_palette *p, const skf_render_body *body, const skf_sight *at, skf_look *look,
-                    skf_vec3 *normal);
+/* The look at a place of a body that has one, with its textures, and the normal that they turn; it may need room. p may
+   be NULL. */
+const skf_look *skf_palette_at(const skf_palette *p, const skf_render_body *body, const skf_sight *at, skf_look *room,
+                               skf_vec3 *normal);
 bool skf_look_is_clear(const skf_render_body *body);
 /* From the frame of the inertial world to the body's own, and back, at a time of the shutter. */
 skf_vec3 skf_body_own(const skf_render_body *b, double time, skf_vec3 v, bool place);

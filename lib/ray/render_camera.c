@@ -28,7 +28,9 @@ static skf_vec3 on_plane(const skf_view *v, skf_vec3 from, int width, int height
 }
 
 skf_vec3 skf_view_ray(const skf_view *v, int width, int height, double px, double py) {
-  return v->parallel ? v->forward : v3_unit(on_plane(v, v->forward, width, height, px, py));
+  if (v->parallel) return v->forward;
+  skf_vec3 way = on_plane(v, v->forward, width, height, px, py); /* at least as long as forward */
+  return v3_scale(1 / v3_norm(way), way);
 }
 
 skf_vec3 skf_view_origin(const skf_view *v, int width, int height, double px, double py) {

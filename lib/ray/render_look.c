@@ -131,30 +131,27 @@ static void mix(const skf_palette *p, const skf_render_body *body, skf_vec3 at, 
   if (!(sum > 0)) *look = body->looks[0];
 }
 
-static skf_look only_color(const double color[3]) {
-  skf_look look = skf_look_default();
-  for (int k = 0; k < 3; k++) look.color[k] = color[k];
-  return look;
-}
-
-void skf_palette_at(const skf_palette *p, const skf_render_body *body, const skf_sight *at, skf_look *look,
-                    skf_vec3 *normal) {
+const skf_look *skf_palette_at(const skf_palette *p, const skf_render_body *body, const skf_sight *at, skf_look *room,
+                               skf_vec3 *normal) {
   skf_vec3 relief = {0, 0, 0};
+  const skf_look *look = room;
   if (p) {
-    mix(p, body, at->own, look, &relief);
-  } else if (!body->look_count) {
-    *look = only_color(body->color);
+    mix(p, body, at->own, room, &relief);
   } else {
     bool one = body->offsets && body->elements;
-    *look = body->looks[body->offsets && body->look_of ? look_of(body, at->item) : 0];
-    if (look->texture_count) dress(look, at->own, one ? &body->elements[at->item].primitive : NULL, 1, &relief);
+    look = body->looks + (body->offsets && body->look_of ? look_of(body, at->item) : 0);
+    if (look->texture_count) {
+      *room = *look, look = room;
+      dress(room, at->own, one ? &body->elements[at->item].primitive : NULL, 1, &relief);
+    }
   }
-  if (!normal) return;
+  if (!normal) return look;
   *normal = at->normal;
-  if (v3_norm2(relief) == 0) return;
+  if (v3_norm2(relief) == 0) return look;
   relief = skf_body_world(body, at->time, relief, false);
   relief = v3_mad(relief, -v3_dot(relief, at->normal), at->normal);
   *normal = v3_unit(v3_mad(at->normal, at->inside ? 1 : -1, relief));
+  return look;
 }
 
 static skf_vec3 turn(const skf_render_body *b, double angle, skf_vec3 v, bool place) {

@@ -6,8 +6,9 @@
 static const double sky_above[3] = {0.26, 0.30, 0.38}, sky_below[3] = {0.10, 0.09, 0.08};
 
 skf_vec3 skf_light_direction(const skf_light *light, skf_vec3 at, double *distance) {
-  skf_vec3 way = light->directional ? light->at : v3_sub(light->at, at);
-  *distance = light->directional ? INFINITY : v3_norm(way);
+  if (light->directional) return *distance = INFINITY, light->at;
+  skf_vec3 way = v3_sub(light->at, at);
+  *distance = v3_norm(way);
   return v3_unit(way);
 }
 
@@ -96,7 +97,8 @@ void skf_shade(const skf_stage *g, const skf_look *look, const skf_sight *at, sk
     for (int k = 0; k < 3; k++) matt[k] += light[k] * c * look->diffuse * look->color[k];
     add_gloss(look, normal, to, eye, light, gloss);
   }
-  for (int k = 0; k < 3; k++) rgb[k] = (1 - look->transparency[k]) * matt[k] + gloss[k];
+  bool through = g->bounces > 0; /* else nothing stands for what is behind it */
+  for (int k = 0; k < 3; k++) rgb[k] = (through ? 1 - look->transparency[k] : 1) * matt[k] + gloss[k];
 }
 
 double skf_fresnel(double cosine, double n, double *bent) {

@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: MIT */
+/* Pictures of one ray through each pixel's centre: what it meets, what light is there, what that looks like. */
+#include "ray/render_rows.h"
+
+/* Neighbours get distant shares. */
+int skf_share_of(int x, int y) {
+  static const unsigned char order[SKF_BLOCK][SKF_BLOCK] = {
+      {0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
+  return order[y % SKF_BLOCK][x % SKF_BLOCK];
+}
+
+double skf_hashed(int x, int y, unsigned k) {
+  unsigned h = (unsigned)x * 73856093u ^ (unsigned)y * 19349663u ^ k * 83492791u;
+  h = (h ^ h >> 15) * 0x2c1b3c6du, h = (h ^ h >> 12) * 0x297a2d39u;
+  return (h ^ h >> 15) / 4294967296.0;
+}
+
+skf_beam skf_camera_beam(const skf_picture *r, double px, double py) {
+  int w = r->s->width, h = r->s->height, x = (int)px, y = (int)py;
+  skf_beam b = {.from = skf_view_origin(&r->stage.view, w, h, px, py),
+                .direction = skf_view_ray(&r->stage.view, w, h, px, py),
+                .time = 0.5,
+                .share = skf_share_of(x, y),
+                .weight = 1,
+                .height = 1 - py / h};
+  if (r->s->quality != SKF_RENDER_DRAFT) b.jitter[0] = skf_hashed(x, y, 1), b.jitter[1] = skf_hashed(x, y, 2);
+  return b;
+}
+
+void skf_light_places(const skf_picture *r, size_t n, const skf_sight *const *at, const skf_beam *beams,
+                      float *const *lit) {
+  int times = r->s->quality == SKF_RENDER_FINE ? 4 : 1;
+  if (r->s->quality != SKF_RENDER_DRAFT) {
+    skf_light_many(&r->stage, n, at, beams, 2 * times, times, false, lit);
+    return;
+  }
+  for (size_t i = 0; i < n; i++)
+    for (int k = 0; k < r->stride; k++) lit[i][k] = 1;
+}
+
+bool skf_alike(const skf_sight *a, const skf_sight *b) {
+  if (a->body != b->body || a->inside != b->inside) return false;
+  if (a->body == SKF_NOTHING) return true;
+  skf_vec3 way = v3_sub(b->at, a->at);
+  return v3_dot(a->normal, b->normal) > 0.9 && fabs(v3_dot(way, a->normal)) <= 0.5 * v3_norm(way) + 1e-12 * a->t;
+}
+
+/* The mean over a block of pixels that starts at (x0, y0) and holds (x, y), of those like it; hard light stays. */
+static void smooth_light(const skf_picture *r, const float *from, int x, int y, int x0, int y0, float *out) {
+  int w = r->s->width, h = r->s->height, n = 0, stride = r->stride;
+  size_t own = (size_t)y * w + x;
+  float sum[SKF_LIT] = {0};
+  for (int j = y0; j < y0 + SKF_BLOCK; j++)
+    for (int i = x0; i < x0 + SKF_BLOCK; i++) {
+      size_t k = (size_t)j * w + i;
+      if (i < 0 || j < 0 || i >= w || j >= h || !skf_alike(r->sights + own, r->sights + k)) continue;
+      for (int c = 0; c < stride; c++) sum[c] += from[k * stride + c];
+      n++;
+    }
+  for (int c = 0; c < stride; c++) {
+    bool keep = n == 0 || (c && skf_light_is_hard(r->stage.lights + (c - 1) / 3)); /* n = 0: no normal */
+    out[c] = keep ? from[own * stride + c] : sum[c] / (float)n;
+  }
+}
+
+/* From pixel x on, n of them. */
+static void see(const skf_picture *r, int x, int y, int n, skf_beam *beams, skf_sight *out) {
+  for (int i = 0; i < n; i++) beams[i] = skf_camera_beam(r, x + i + 0.5, y + 0.5);
+  skf_look_many(&r->stage, (size_t)n, beams, out);
+}
+
+void skf_row_sight(skf_picture *r, int y) {
+  int w = r->s->width;
+  for (int x = 0; x < w; x += SKF_MANY) {
+    skf_beam beams[SKF_MANY];
+    see(r, x, y, w - x < SKF_MANY ? w - x : SKF_MANY, beams, r->sights + (size_t)y * w + x);
+  }
+}
+
+void skf_row_cost(skf_picture *r, int y) {
+  int w = r->s->width;
+  for (int x = 0; x < w; x++) {
+    skf_beam beam = skf_camera_beam(r, x + 0.5, y + 0.5);
+    skf_ray_report report = {0};
+    size_t k = (size_t)y * w + x;
+    skf_look_along(&r->stage, &beam, &report);
+    if (r->evaluations) r->evaluations[k] = (float)report.evaluations;
+    if (r->cells) r->cells[k] = (float)report.cells;
+  }
+}
+
+/* The rows of a block from y on. Pixels with the same share of the directions ask together: their rays are parallel. */
+void skf_row_light(skf_picture *r, int y) {
+  int w = r->s->width;
+  if (y % SKF_BLOCK) return;
+  for (int k = 0; k < SKF_BLOCK * SKF_BLOCK; k++) {
+    int row = y + k / SKF_BLOCK;
+    if (row >= r->s->height) return;
+    skf_beam beams[SKF_MANY];
+    const skf_sight *at[SKF_MANY];
+    float *lit[SKF_MANY];
+    size_t n = 0;
+    for (int x = k % SKF_BLOCK; x < w; x += SKF_BLOCK) {
+      size_t i = (size_t)row * w + x;
+      if (r->sights[i].body == SKF_NOTHING) continue;
+      beams[n] = skf_camera_beam(r, x + 0.5, row + 0.5), at[n] = r->sights + i, lit[n++] = r->raw + i * r->stride;
+      if (n == SKF_MANY) skf_light_places(r, n, at, beams, lit), n = 0;
+    }
+    skf_light_places(r, n, at, beams, lit);
+  }
+}
+
+/* One block is not centred on its pixel; two, shifted either way, are. */
+void skf_row_smooth(skf_picture *r, int y) {
+  for (int x = 0; x < r->s->width; x++) {
+    size_t k = (size_t)y * r->s->width + x;
+    smooth_light(r, r->raw, x, y, x - 1, y - 1, r->lit + k * r->stride);
+  }
+}
+
+void skf_row_smooth_again(skf_picture *r, int y) {
+  for (int x = 0; x < r->s->width; x++) {
+    size_t k = (size_t)y * r->s->width + x;
+    smooth_light(r, r->lit, x, y, x - 2, y - 2, r->raw + k * r->stride);
+  }
+}
+
+void skf_put(skf_picture *r, size_t k, const double rgb[3]) {
+  for (int c = 0; c < 3; c++) r->rgb[3 * k + c] = (float)rgb[c];
+}
+
+void skf_row_shade(skf_picture *r, int y) {
+  int w = r->s->width;
+  for (int x = 0; x < w; x++) {
+    size_t k = (size_t)y * w + x;
+    double rgb[3];
+    skf_beam beam = skf_camera_beam(r, x + 0.5, y + 0.5);
+    skf_radiance(&r->stage, &beam, r->sights + k, r->raw + k * r->stride, rgb);
+    skf_put(r, k, rgb);
+  }
+}
+
+void skf_row_draft(skf_picture *r, int y) {
+  int w = r->s->width;
+  float lit[SKF_LIT];
+  for (int k = 0; k < SKF_LIT; k++) lit[k] = 1;
+  for (int x = 0; x < w; x += SKF_MANY) {
+    skf_beam beams[SKF_MANY];
+    skf_sight sights[SKF_MANY];
+    int n = w - x < SKF_MANY ? w - x : SKF_MANY;
+    see(r, x, y, n, beams, sights);
+    for (int i = 0; i < n; i++) {
+      size_t k = (size_t)y * w + x + i;
+      double rgb[3];
+      skf_radiance(&r->stage, beams + i, sights + i, lit, rgb);
+      skf_put(r, k, rgb);
+      if (r->depth && sights[i].body >= 0) r->depth[k] = (float)sights[i].t;
+    }
+  }
+}
+
+void skf_row_fill(skf_picture *r, int y) {
+  int w = r->s->width;
+  if (!isnan(r->rgb[3 * (size_t)y * w])) return;
+  if (r->sights) {
+    skf_row_shade(r, y);
+    return;
+  }
+  for (int x = 0; x < w; x++) {
+    const skf_sight nothing = {.body = SKF_NOTHING, .t = INFINITY};
+    double rgb[3];
+    skf_beam beam = skf_camera_beam(r, x + 0.5, y + 0.5);
+    skf_radiance(&r->stage, &beam, &nothing, NULL, rgb);
+    skf_put(r, (size_t)y * w + x, rgb);
+  }
+}
