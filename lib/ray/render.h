@@ -15,11 +15,26 @@ typedef struct skf_view {
   double aperture, focus;
 } skf_view;
 
+/* A ray on its way. */
+typedef struct skf_beam {
+  skf_vec3 from, direction;
+  double time; /* of the shutter */
+  int share;   /* which part of the directions to sky and lights, 0 to SKF_SHARES - 1; negative: all of them, few */
+  double jitter[2]; /* in [0, 1), within this part */
+  int depth;        /* bounces so far */
+  bool mirrored;    /* and once in a mirror: then it sees the sky that lights bodies, too */
+  bool scattered;   /* one of many through its pixel, which is their mean */
+  double weight;    /* of its light in the pixel */
+  double height;    /* in the picture, 0 to 1, of what a ray of the camera sees of the background; else < 0 */
+} skf_beam;
+
 skf_status skf_view_make(const skf_camera *camera, double aspect, skf_view *out);
 /* Unit direction of the ray through (px, py) in pixels, and where it starts. */
 skf_vec3 skf_view_ray(const skf_view *view, int width, int height, double px, double py);
 skf_vec3 skf_view_origin(const skf_view *view, int width, int height, double px, double py);
-/* The same through a place of the lens, (0, 0) its middle, 1 its rim. */
+/* Both for n pixels of a row from px on, to the bit. */
+void skf_view_row(const skf_view *view, int width, int height, double px, double py, int n, skf_beam *out);
+/* One through a place of the lens, (0, 0) its middle, 1 its rim. */
 void skf_view_lens(const skf_view *view, double x, double y, skf_vec3 *from, skf_vec3 *direction);
 /* How far up in the picture a direction is seen, 0 to 1; those backwards count as if mirrored. */
 double skf_view_height(const skf_view *view, skf_vec3 direction);
@@ -55,19 +70,6 @@ typedef struct skf_stage {
   const bool *clear;                   /* whether a body lets light through anywhere */
   int bounces;
 } skf_stage;
-
-/* A ray on its way. */
-typedef struct skf_beam {
-  skf_vec3 from, direction;
-  double time; /* of the shutter */
-  int share;   /* which part of the directions to sky and lights, 0 to SKF_SHARES - 1; negative: all of them, few */
-  double jitter[2]; /* in [0, 1), within this part */
-  int depth;        /* bounces so far */
-  bool mirrored;    /* and once in a mirror: then it sees the sky that lights bodies, too */
-  bool scattered;   /* one of many through its pixel, which is their mean */
-  double weight;    /* of its light in the pixel */
-  double height;    /* in the picture, 0 to 1, of what a ray of the camera sees of the background; else < 0 */
-} skf_beam;
 
 /* ---- render_sight.c ---- */
 bool skf_body_turns(const skf_render_body *b);

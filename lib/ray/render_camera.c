@@ -22,19 +22,32 @@ skf_status skf_view_make(const skf_camera *c, double aspect, skf_view *out) {
   return SKF_OK;
 }
 
-static skf_vec3 on_plane(const skf_view *v, skf_vec3 from, int width, int height, double px, double py) {
-  double x = (2 * px / width - 1) * v->tan_x, y = (1 - 2 * py / height) * v->tan_y;
-  return v3_mad(v3_mad(from, x, v->right), y, v->up);
+/* A row of pixels on the picture plane, and a place in it. */
+static skf_vec3 on_row(const skf_view *v, skf_vec3 from, int height, double py) {
+  return v3_mad(from, (1 - 2 * py / height) * v->tan_y, v->up);
 }
 
+static skf_vec3 in_row(const skf_view *v, skf_vec3 row, int width, double px) {
+  return v3_mad(row, (2 * px / width - 1) * v->tan_x, v->right);
+}
+
+/* Not shorter than `forward`, which it starts from: no square can underflow. */
+static skf_vec3 direction(skf_vec3 way) { return v3_scale(1 / v3_norm(way), way); }
+
 skf_vec3 skf_view_ray(const skf_view *v, int width, int height, double px, double py) {
-  if (v->parallel) return v->forward;
-  skf_vec3 way = on_plane(v, v->forward, width, height, px, py); /* at least as long as forward */
-  return v3_scale(1 / v3_norm(way), way);
+  return v->parallel ? v->forward : direction(in_row(v, on_row(v, v->forward, height, py), width, px));
 }
 
 skf_vec3 skf_view_origin(const skf_view *v, int width, int height, double px, double py) {
-  return v->parallel ? on_plane(v, v->from, width, height, px, py) : v->from;
+  return v->parallel ? in_row(v, on_row(v, v->from, height, py), width, px) : v->from;
+}
+
+void skf_view_row(const skf_view *v, int width, int height, double px, double py, int n, skf_beam *out) {
+  skf_vec3 row = on_row(v, v->parallel ? v->from : v->forward, height, py);
+  for (int i = 0; i < n; i++) {
+    skf_vec3 at = in_row(v, row, width, px + i);
+    out[i].from = v->parallel ? at : v->from, out[i].direction = v->parallel ? v->forward : direction(at);
+  }
 }
 
 void skf_view_lens(const skf_view *v, double x, double y, skf_vec3 *from, skf_vec3 *direction) {

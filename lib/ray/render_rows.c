@@ -63,9 +63,11 @@ static void smooth_light(const skf_picture *r, const float *from, int x, int y, 
   }
 }
 
-/* From pixel x on, n of them. */
+/* From pixel x on, n of them; light is not asked for along these beams. */
 static void see(const skf_picture *r, int x, int y, int n, skf_beam *beams, skf_sight *out) {
-  for (int i = 0; i < n; i++) beams[i] = skf_camera_beam(r, x + i + 0.5, y + 0.5);
+  const skf_beam first = {.time = 0.5, .weight = 1, .height = 1 - (y + 0.5) / r->s->height};
+  for (int i = 0; i < n; i++) beams[i] = first;
+  skf_view_row(&r->stage.view, r->s->width, r->s->height, x + 0.5, y + 0.5, n, beams);
   skf_look_many(&r->stage, (size_t)n, beams, out);
 }
 

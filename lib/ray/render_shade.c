@@ -9,7 +9,8 @@ skf_vec3 skf_light_direction(const skf_light *light, skf_vec3 at, double *distan
   if (light->directional) return *distance = INFINITY, light->at;
   skf_vec3 way = v3_sub(light->at, at);
   *distance = v3_norm(way);
-  return v3_unit(way);
+  bool plain = *distance > 1e-100 && *distance < 1e100;
+  return plain ? v3_scale(1 / *distance, way) : v3_unit(way);
 }
 
 bool skf_light_is_hard(const skf_light *l) {
@@ -59,16 +60,16 @@ void skf_sky(const skf_view *view, skf_vec3 direction, double rgb[3]) {
 static void add_gloss(const skf_look *look, skf_vec3 n, skf_vec3 to_light, skf_vec3 to_eye, const double light[3],
                       double rgb[3]) {
   double a2 = 2 / (look->shine + 2); /* the square of GGX's alpha */
-  skf_vec3 h = v3_unit(v3_add(to_light, to_eye));
-  double nl = v3_dot(n, to_light), ne = fmax(v3_dot(n, to_eye), 1e-4), nh = v3_dot(n, h),
-         eh = fmax(v3_dot(to_eye, h), 0);
+  skf_vec3 half = v3_add(to_light, to_eye);
+  double length = v3_norm(half), per = length > 1e-100 ? 1 / length : 0;
+  double nl = v3_dot(n, to_light), ne = v3_dot(n, to_eye), nh = v3_dot(n, half) * per, eh = v3_dot(to_eye, half) * per;
+  if (!(ne > 1e-4)) ne = 1e-4;
+  if (!(eh > 0)) eh = 0;
   double d = nh * nh * a2 + (1 - nh * nh), f = 1 - eh, f5 = f * f * f * f * f;
   double smith = nl * sqrt(ne * ne * (1 - a2) + a2) + ne * sqrt(nl * nl * (1 - a2) + a2);
-  for (int k = 0; k < 3; k++) {
-    if (!(look->specular[k] > 0)) continue;
-    double fresnel = look->specular[k] + (1 - look->specular[k]) * f5;
-    rgb[k] += light[k] * (a2 / (d * d) * fresnel * nl / (2 * smith));
-  }
+  double lobe = a2 * nl / (d * d * 2 * smith);
+  for (int k = 0; k < 3; k++)
+    if (look->specular[k] > 0) rgb[k] += light[k] * lobe * (look->specular[k] + (1 - look->specular[k]) * f5);
 }
 
 void skf_shade_ground(const skf_stage *g, const skf_sight *at, const float *lit, double rgb[3]) {
