@@ -80,6 +80,7 @@ static skf_status open_stage(skf_picture *r) {
   for (size_t l = 0; l < g->light_count; l++) g->lights[l] = s->lights[l];
   g->bounces = s->quality == SKF_RENDER_DRAFT || s->bounces < 0 ? 0 : s->bounces ? s->bounces : SKF_RENDER_BOUNCES;
   if (!g->light_count) skf_lights_default(&g->view, g->lights), g->light_count = 3;
+  for (size_t l = 0; l < g->light_count; l++) g->hard[l] = skf_light_is_hard(g->lights + l);
   for (size_t l = 0; l < g->light_count; l++)
     if (g->lights[l].directional) g->lights[l].at = v3_unit(g->lights[l].at);
   skf_light_directions(g->directions);

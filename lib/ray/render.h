@@ -29,10 +29,9 @@ typedef struct skf_beam {
 } skf_beam;
 
 skf_status skf_view_make(const skf_camera *camera, double aspect, skf_view *out);
-/* Unit direction of the ray through (px, py) in pixels, and where it starts. */
+/* Unit direction of the ray through (px, py) in pixels; and that and where it starts for n pixels of a row from px on.
+ */
 skf_vec3 skf_view_ray(const skf_view *view, int width, int height, double px, double py);
-skf_vec3 skf_view_origin(const skf_view *view, int width, int height, double px, double py);
-/* Both for n pixels of a row from px on, to the bit. */
 void skf_view_row(const skf_view *view, int width, int height, double px, double py, int n, skf_beam *out);
 /* One through a place of the lens, (0, 0) its middle, 1 its rim. */
 void skf_view_lens(const skf_view *view, double x, double y, skf_vec3 *from, skf_vec3 *direction);
@@ -63,6 +62,7 @@ typedef struct skf_stage {
   skf_view view;
   skf_light lights[SKF_RENDER_LIGHTS]; /* directions of length 1 */
   size_t light_count;
+  bool hard[SKF_RENDER_LIGHTS];
   skf_vec3 directions[SKF_DIRECTIONS]; /* evenly over the sphere */
   skf_render_body *bodies;             /* the scene's, each with a look */
   skf_look *looks;                     /* of those that have none of their own */

@@ -38,10 +38,6 @@ skf_vec3 skf_view_ray(const skf_view *v, int width, int height, double px, doubl
   return v->parallel ? v->forward : direction(in_row(v, on_row(v, v->forward, height, py), width, px));
 }
 
-skf_vec3 skf_view_origin(const skf_view *v, int width, int height, double px, double py) {
-  return v->parallel ? in_row(v, on_row(v, v->from, height, py), width, px) : v->from;
-}
-
 void skf_view_row(const skf_view *v, int width, int height, double px, double py, int n, skf_beam *out) {
   skf_vec3 row = on_row(v, v->parallel ? v->from : v->forward, height, py);
   for (int i = 0; i < n; i++) {

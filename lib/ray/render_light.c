@@ -128,7 +128,7 @@ void skf_light_many(const skf_stage *g, size_t n, const skf_sight *const *at, co
   if (!hard_only) ask_sky(g, &q, n, at, beams, sky, lit);
   for (size_t l = 0; l < g->light_count; l++) {
     const skf_light *light = g->lights + l;
-    bool hard = skf_light_is_hard(light);
+    bool hard = g->hard[l];
     if (hard_only && !hard) continue;
     int rays = hard ? 1 : soft;
     for (int k = 0; k < rays; k++)

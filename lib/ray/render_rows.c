@@ -15,15 +15,15 @@ double skf_hashed(int x, int y, unsigned k) {
   return (h ^ h >> 15) / 4294967296.0;
 }
 
+/* The part of a beam that light asks for. */
+static skf_beam light_beam(int x, int y) {
+  return (skf_beam){.time = 0.5, .share = skf_share_of(x, y), .jitter = {skf_hashed(x, y, 1), skf_hashed(x, y, 2)}};
+}
+
 skf_beam skf_camera_beam(const skf_picture *r, double px, double py) {
-  int w = r->s->width, h = r->s->height, x = (int)px, y = (int)py;
-  skf_beam b = {.from = skf_view_origin(&r->stage.view, w, h, px, py),
-                .direction = skf_view_ray(&r->stage.view, w, h, px, py),
-                .time = 0.5,
-                .share = skf_share_of(x, y),
-                .weight = 1,
-                .height = 1 - py / h};
-  if (r->s->quality != SKF_RENDER_DRAFT) b.jitter[0] = skf_hashed(x, y, 1), b.jitter[1] = skf_hashed(x, y, 2);
+  skf_beam b = light_beam((int)px, (int)py);
+  b.weight = 1, b.height = 1 - py / r->s->height;
+  skf_view_row(&r->stage.view, r->s->width, r->s->height, px, py, 1, &b);
   return b;
 }
 
@@ -41,14 +41,17 @@ void skf_light_places(const skf_picture *r, size_t n, const skf_sight *const *at
 bool skf_alike(const skf_sight *a, const skf_sight *b) {
   if (a->body != b->body || a->inside != b->inside) return false;
   if (a->body == SKF_NOTHING) return true;
+  if (!(v3_dot(a->normal, b->normal) > 0.9)) return false;
   skf_vec3 way = v3_sub(b->at, a->at);
-  return v3_dot(a->normal, b->normal) > 0.9 && fabs(v3_dot(way, a->normal)) <= 0.5 * v3_norm(way) + 1e-12 * a->t;
+  double off = v3_dot(way, a->normal), square = v3_norm2(way);
+  return 4 * off * off <= square || fabs(off) <= 0.5 * sqrt(square) + 1e-12 * a->t;
 }
 
 /* The mean over a block of pixels that starts at (x0, y0) and holds (x, y), of those like it; hard light stays. */
 static void smooth_light(const skf_picture *r, const float *from, int x, int y, int x0, int y0, float *out) {
   int w = r->s->width, h = r->s->height, n = 0, stride = r->stride;
   size_t own = (size_t)y * w + x;
+  if (r->sights[own].body == SKF_NOTHING) return;
   float sum[SKF_LIT] = {0};
   for (int j = y0; j < y0 + SKF_BLOCK; j++)
     for (int i = x0; i < x0 + SKF_BLOCK; i++) {
@@ -58,16 +61,21 @@ static void smooth_light(const skf_picture *r, const float *from, int x, int y, 
       n++;
     }
   for (int c = 0; c < stride; c++) {
-    bool keep = n == 0 || (c && skf_light_is_hard(r->stage.lights + (c - 1) / 3)); /* n = 0: no normal */
+    bool keep = n == 0 || (c && r->stage.hard[(c - 1) / 3]); /* n = 0: no normal */
     out[c] = keep ? from[own * stride + c] : sum[c] / (float)n;
   }
 }
 
-/* From pixel x on, n of them; light is not asked for along these beams. */
-static void see(const skf_picture *r, int x, int y, int n, skf_beam *beams, skf_sight *out) {
-  const skf_beam first = {.time = 0.5, .weight = 1, .height = 1 - (y + 0.5) / r->s->height};
-  for (int i = 0; i < n; i++) beams[i] = first;
+/* Beams from pixel x on, n of them. */
+static void set_out(const skf_picture *r, int x, int y, int n, skf_beam *beams) {
+  for (int i = 0; i < n; i++)
+    beams[i] =
+        (skf_beam){.time = 0.5, .share = skf_share_of(x + i, y), .weight = 1, .height = 1 - (y + 0.5) / r->s->height};
   skf_view_row(&r->stage.view, r->s->width, r->s->height, x + 0.5, y + 0.5, n, beams);
+}
+
+static void see(const skf_picture *r, int x, int y, int n, skf_beam *beams, skf_sight *out) {
+  set_out(r, x, y, n, beams);
   skf_look_many(&r->stage, (size_t)n, beams, out);
 }
 
@@ -105,7 +113,7 @@ void skf_row_light(skf_picture *r, int y) {
     for (int x = k % SKF_BLOCK; x < w; x += SKF_BLOCK) {
       size_t i = (size_t)row * w + x;
       if (r->sights[i].body == SKF_NOTHING) continue;
-      beams[n] = skf_camera_beam(r, x + 0.5, row + 0.5), at[n] = r->sights + i, lit[n++] = r->raw + i * r->stride;
+      beams[n] = light_beam(x, row), at[n] = r->sights + i, lit[n++] = r->raw + i * r->stride;
       if (n == SKF_MANY) skf_light_places(r, n, at, beams, lit), n = 0;
     }
     skf_light_places(r, n, at, beams, lit);
@@ -133,12 +141,16 @@ void skf_put(skf_picture *r, size_t k, const double rgb[3]) {
 
 void skf_row_shade(skf_picture *r, int y) {
   int w = r->s->width;
-  for (int x = 0; x < w; x++) {
-    size_t k = (size_t)y * w + x;
-    double rgb[3];
-    skf_beam beam = skf_camera_beam(r, x + 0.5, y + 0.5);
-    skf_radiance(&r->stage, &beam, r->sights + k, r->raw + k * r->stride, rgb);
-    skf_put(r, k, rgb);
+  for (int x = 0; x < w; x += SKF_MANY) {
+    skf_beam beams[SKF_MANY];
+    int n = w - x < SKF_MANY ? w - x : SKF_MANY;
+    set_out(r, x, y, n, beams);
+    for (int i = 0; i < n; i++) {
+      size_t k = (size_t)y * w + x + i;
+      double rgb[3];
+      skf_radiance(&r->stage, beams + i, r->sights + k, r->raw + k * r->stride, rgb);
+      skf_put(r, k, rgb);
+    }
   }
 }
 
