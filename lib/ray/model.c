@@ -37,29 +37,28 @@ static double power(double x, int n) {
 }
 
 /* The inverse of Bernstein's polynomials at the places, by elimination: a well-conditioned matrix. */
-static void along_rays(skf_chebyshev *t) {
-  enum { D = SKF_DEGREE };
-  double a[D + 1][2 * D + 2] = {{0}};
-  for (int i = 0; i <= D; i++) {
-    double u = t->place[i] = 0.5 - 0.5 * cos(i * SKF_PI / D);
-    for (int k = 0; k <= D; k++) a[i][k] = choose(D - k, k) * power(u, k) * power(1 - u, D - k);
-    a[i][D + 1 + i] = 1;
+static void along_rays(int n, skf_restriction *out) {
+  double a[SKF_DEGREE + 1][2 * SKF_DEGREE + 2] = {{0}};
+  for (int i = 0; i <= n; i++) {
+    double u = out->place[i] = 0.5 - 0.5 * cos(i * SKF_PI / n);
+    for (int k = 0; k <= n; k++) a[i][k] = choose(n - k, k) * power(u, k) * power(1 - u, n - k);
+    a[i][n + 1 + i] = 1;
   }
-  for (int i = 0; i <= D; i++) {
+  for (int i = 0; i <= n; i++) {
     int best = i;
-    for (int r = i; r <= D; r++)
+    for (int r = i; r <= n; r++)
       if (fabs(a[r][i]) > fabs(a[best][i])) best = r;
-    for (int k = 0; k < 2 * D + 2; k++) {
+    for (int k = 0; k < 2 * n + 2; k++) {
       double x = a[best][k];
       a[best][k] = a[i][k], a[i][k] = x;
     }
-    for (int r = 0; r <= D; r++) {
+    for (int r = 0; r <= n; r++) {
       double f = r == i ? 0 : a[r][i] / a[i][i];
-      for (int k = 0; k < 2 * D + 2 && f != 0; k++) a[r][k] -= f * a[i][k];
+      for (int k = 0; k < 2 * n + 2 && f != 0; k++) a[r][k] -= f * a[i][k];
     }
   }
-  for (int i = 0; i <= D; i++)
-    for (int k = 0; k <= D; k++) t->bernstein[i][k] = a[i][D + 1 + k] / a[i][i];
+  for (int i = 0; i <= n; i++)
+    for (int k = 0; k <= n; k++) out->bernstein[i][k] = a[i][n + 1 + k] / a[i][i];
 }
 
 void skf_chebyshev_init(skf_chebyshev *t, double slack) {
@@ -82,7 +81,7 @@ void skf_chebyshev_init(skf_chebyshev *t, double slack) {
   t->power[0][0] = 1, t->power[1][1] = 1;
   for (int i = 2; i < N; i++)
     for (int k = 0; k <= i; k++) t->power[k][i] = (k ? 2 * t->power[k - 1][i - 1] : 0) - t->power[k][i - 2];
-  along_rays(t);
+  along_rays(SKF_LOW_DEGREE, &t->low), along_rays(SKF_DEGREE, &t->full);
   t->lebesgue = 2 / SKF_PI * log(N) + 1; /* an upper bound [Rivlin 1974] */
 }
 

@@ -9,13 +9,17 @@
 enum { SKF_NODES = 8, SKF_ALL_NODES = SKF_NODES * SKF_NODES * SKF_NODES };
 enum { SKF_LOW_DEGREE = 5, SKF_DEGREE = 7, SKF_TERMS = (SKF_DEGREE + 1) * (SKF_DEGREE + 2) * (SKF_DEGREE + 3) / 6 };
 
+/* Along a ray: places in [0, 1] for samples of a polynomial, and what makes Bernstein coefficients of them. */
+typedef struct skf_restriction {
+  double place[SKF_DEGREE + 1], bernstein[SKF_DEGREE + 1][SKF_DEGREE + 1];
+} skf_restriction;
+
 /* Chebyshev's nodes and what turns values there into coefficients, coefficients into those on a half of the interval
    (the cubes are larger than the cells by 1 + slack), or into powers. */
 typedef struct skf_chebyshev {
   double node[SKF_NODES], forward[SKF_NODES][SKF_NODES], half[2][SKF_NODES][SKF_NODES], power[SKF_NODES][SKF_NODES];
-  /* along a ray: places in [0, 1] for samples of a polynomial, and what makes Bernstein coefficients of them */
-  double place[SKF_DEGREE + 1], bernstein[SKF_DEGREE + 1][SKF_DEGREE + 1];
-  double lebesgue; /* how much larger an interpolant can be than what it interpolates, along one axis */
+  skf_restriction low, full; /* for SKF_LOW_DEGREE, SKF_DEGREE */
+  double lebesgue;           /* how much larger an interpolant can be than what it interpolates, along one axis */
 } skf_chebyshev;
 
 void skf_chebyshev_init(skf_chebyshev *t, double slack);

@@ -3,18 +3,16 @@
 #ifndef SKF_RAY_PACKET_H
 #define SKF_RAY_PACKET_H
 
-#include "ray/walk.h"
+#include "ray/room.h"
 #include "simd/isa.h"
 
 enum { SKF_PACKET = 8 };
 
 /* Where the answer to a question about first crossings goes. */
-typedef struct skf_waiting skf_waiting;
 typedef struct skf_answer {
   skf_hit *hit; /* NULL: only whether there is one */
   bool *found;
-  skf_waiting *waiting; /* room for what is to be polished together, and how much is in it */
-  size_t *waits;
+  skf_room *room;
 } skf_answer;
 
 /* Rays whose directions have the same signs. Lanes that are not `alive` are finished or were never there. */

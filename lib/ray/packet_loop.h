@@ -2,11 +2,7 @@
 /* The way through the octree, four lanes in a vector. Included by the units of each instruction set, for one vector and
    for two: VECTORS. */
 #include "ray/packet_blobs.h"
-
-/* Where the lanes enter and leave a cell; a >= b: not at all. */
-typedef struct span {
-  skf_vd a[VECTORS], b[VECTORS];
-} span;
+#include "ray/packet_patches.h"
 
 SKF_INLINE unsigned lanes_of(const skf_packet *p, const span *s) {
   unsigned bits = 0;
@@ -50,90 +46,11 @@ static void meet_leaf(skf_packet *p, const skf_leaf *leaf, const span *s, unsign
   }
 }
 
-/* The model's value at x, y, z: Horner's scheme in each of them. */
-SKF_INLINE skf_vd patch_at(const int degree, const double *c, skf_vd x, skf_vd y, skf_vd z) {
-  skf_vd sum = vd_set(0);
-  const double *last = c + (degree + 1) * (degree + 2) * (degree + 3) / 6 - 1;
-#pragma GCC unroll 8
-  for (int i = degree; i >= 0; i--) {
-    skf_vd row = vd_set(0);
-#pragma GCC unroll 8
-    for (int j = degree - i; j >= 0; j--) {
-      skf_vd line = vd_set(*last--);
-#pragma GCC unroll 8
-      for (int k = degree - i - j; k > 0; k--) line = line * z + vd_set(*last--);
-      row = row * y + line;
-    }
-    sum = sum * x + row;
-  }
-  return sum;
-}
-
-/* Lanes that the linear part does not show to be on one side. */
-SKF_INLINE unsigned beyond_plane(const skf_packet *p, const skf_leaf *leaf, const span *s, int v, unsigned *above) {
-  int at = SKF_LANES * v;
-  skf_vd dx = vd_load(p->d[0] + at), dy = vd_load(p->d[1] + at), dz = vd_load(p->d[2] + at), a = s->a[v];
-  skf_vd gx = vd_set(leaf->g.x), gy = vd_set(leaf->g.y), gz = vd_set(leaf->g.z), flat = vd_set(leaf->flat);
-  skf_vd fa = vd_set(leaf->f) + gx * (vd_load(p->o[0] + at) + a * dx - vd_set(leaf->center.x)) +
-              gy * (vd_load(p->o[1] + at) + a * dy - vd_set(leaf->center.y)) +
-              gz * (vd_load(p->o[2] + at) + a * dz - vd_set(leaf->center.z));
-  skf_vd fb = fa + (s->b[v] - a) * (gx * dx + gy * dy + gz * dz);
-  flat += vd_load(p->shift + at) * vd_set(leaf->slope);
-  unsigned over = (unsigned)vi_bits((fa > flat) & (fb > flat)) << at;
-  unsigned under = (unsigned)vi_bits((fa < -flat) & (fb < -flat)) << at;
-  *above |= over;
-  return ~(over | under) & (((1u << SKF_LANES) - 1) << at);
-}
-
-/* The patch along four lanes; returns a bit for those that it does not show to be on one side. */
-SKF_INLINE unsigned along_patch(const skf_packet *p, const skf_leaf *leaf, const span *s, int v, skf_vd off,
-                                double c[SKF_DEGREE + 1][SKF_PACKET], unsigned *above) {
-  const skf_chebyshev *t = skf_octree_table(p->tracer->tree);
-  const skf_patch *patch = leaf->patch;
-  int at = SKF_LANES * v;
-  skf_vd per = vd_set(patch->per), a = s->a[v], L = s->b[v] - a, f[SKF_DEGREE + 1], lo, hi;
-  skf_vd dx = vd_load(p->d[0] + at), dy = vd_load(p->d[1] + at), dz = vd_load(p->d[2] + at);
-  skf_vd x = (vd_load(p->o[0] + at) + a * dx - vd_set(leaf->center.x)) * per;
-  skf_vd y = (vd_load(p->o[1] + at) + a * dy - vd_set(leaf->center.y)) * per;
-  skf_vd z = (vd_load(p->o[2] + at) + a * dz - vd_set(leaf->center.z)) * per;
-  for (int i = 0; i <= SKF_DEGREE; i++) {
-    skf_vd u = L * per * vd_set(t->place[i]);
-    if (patch->degree == SKF_DEGREE)
-      f[i] = patch_at(SKF_DEGREE, patch->c, x + u * dx, y + u * dy, z + u * dz);
-    else
-      f[i] = patch_at(SKF_LOW_DEGREE, patch->c, x + u * dx, y + u * dy, z + u * dz);
-  }
-  lo = hi = f[0];
-  vd_store(c[0] + at, f[0]);
-  for (int i = 1; i <= SKF_DEGREE; i++) {
-    skf_vd sum = vd_set(t->bernstein[i][0]) * f[0];
-    for (int k = 1; k <= SKF_DEGREE; k++) sum += vd_set(t->bernstein[i][k]) * f[k];
-    vd_store(c[i] + at, sum);
-    lo = vd_min(lo, sum), hi = vd_max(hi, sum);
-  }
-  unsigned over = (unsigned)vi_bits(lo > off) << at, under = (unsigned)vi_bits(hi < -off) << at;
-  *above |= over;
-  return ~(over | under) & (((1u << SKF_LANES) - 1) << at);
-}
-
 static void meet_patch(skf_packet *p, const skf_leaf *leaf, const span *s, unsigned lanes) {
-  double c[SKF_DEGREE + 1][SKF_PACKET], a[SKF_PACKET], b[SKF_PACKET], off[SKF_PACKET], own[SKF_DEGREE + 1];
-  unsigned left = 0, above = 0;
-  for (int v = 0; v < VECTORS; v++) {
-    unsigned open = lanes & beyond_plane(p, leaf, s, v, &above);
-    if (!open) continue;
-    skf_vd wide = vd_set(leaf->patch->off.value) + vd_load(p->shift + SKF_LANES * v) * vd_set(leaf->slope);
-    vd_store(off + SKF_LANES * v, wide);
-    vd_store(a + SKF_LANES * v, s->a[v]), vd_store(b + SKF_LANES * v, s->b[v]);
-    left |= open & along_patch(p, leaf, s, v, wide, c, &above);
-  }
-  unsigned clear = lanes & ~left;
-  p->below = (p->below & ~clear) | (clear & ~above), p->above = (p->above & ~clear) | (clear & above);
-  for (left &= lanes; left; left &= left - 1) {
-    int lane = __builtin_ctz(left);
-    for (int i = 0; i <= SKF_DEGREE; i++) own[i] = c[i][lane];
-    skf_packet_patch(p, lane, leaf, a[lane], b[lane], own, off[lane]);
-  }
+  if (leaf->patch->degree == SKF_DEGREE)
+    in_full_patch(p, leaf, s, lanes);
+  else
+    in_low_patch(p, leaf, s, lanes);
 }
 
 static void descend(skf_packet *p, skf_branch *branch, const span *s);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Queries: what is met on a ray, polished and handed out. */
 #include "core/vec3.h"
-#include "field/some.h"
 #include "ray/ask.h"
 
 static skf_status end(const skf_question *q, skf_status s, skf_ray_report *report) {
@@ -9,33 +8,42 @@ static skf_status end(const skf_question *q, skf_status s, skf_ray_report *repor
   return s;
 }
 
-static skf_hit hit_of(const skf_knot *k, bool entering) {
-  return (skf_hit){k->t, k->at, v3_unit(v3_sub(v3(0, 0, 0), k->gradient)), entering};
+/* A crossing, at once or when the room is served. */
+static void hit_at(skf_room *room, skf_hit *hit, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
+  if (w->bow) {
+    if (room->count >= SKF_ROOM) skf_room_serve(room, w->tracer, &w->report);
+    skf_room_add(room, hit, w, a, b, guess);
+    return;
+  }
+  skf_knot k = skf_walk_polish(w, a, b, guess);
+  *hit = (skf_hit){k.t, k.at, v3_unit(v3_sub(v3(0, 0, 0), k.gradient)), b->f > a->f};
 }
 
-static skf_hit hit_at(skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
-  skf_knot k = skf_walk_polish(w, a, b, guess);
-  return hit_of(&k, b->f > a->f);
+static void serve(skf_question *q, skf_room *room) {
+  while (room->count) skf_room_serve(room, q->tracer, &q->report);
 }
 
 typedef struct collector {
   size_t capacity, count;
   skf_hit *hits;
+  skf_room room;
 } collector;
 
 static bool collect(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
   collector *c = user;
-  if (c->count < c->capacity) c->hits[c->count] = hit_at(w, a, b, guess);
+  if (c->count < c->capacity) hit_at(&c->room, c->hits + c->count, w, a, b, guess);
   c->count++;
   return true;
 }
 
 skf_status skf_tracer_all(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_hit *hits, size_t *count,
                           skf_ray_report *report) {
-  collector c = {capacity, 0, hits};
+  collector c;
   skf_question q = {.tracer = tracer, .found = collect};
   int last;
+  c.capacity = capacity, c.count = 0, c.hits = hits, c.room.count = 0;
   skf_status s = skf_ask(&q, ray, &c, &last);
+  serve(&q, &c.room);
   *count = c.count;
   return end(&q, s, report);
 }
@@ -45,28 +53,34 @@ typedef struct span_list {
   skf_span *spans;
   skf_hit start; /* of the ray */
   bool inside;
+  skf_room room;
 } span_list;
 
-static void open_span(span_list *l, skf_hit in, bool with_ray) {
-  if (l->count < l->capacity) l->spans[l->count].in = in, l->spans[l->count].starts_inside = with_ray;
+/* Where an end of the span goes; NULL: there is no room for it. */
+static skf_hit *open_span(span_list *l, bool with_ray) {
   l->inside = true;
+  if (l->count >= l->capacity) return NULL;
+  l->spans[l->count].starts_inside = with_ray;
+  return &l->spans[l->count].in;
 }
 
-static void close_span(span_list *l, skf_hit out, bool with_ray) {
-  if (l->count < l->capacity) l->spans[l->count].out = out, l->spans[l->count].ends_inside = with_ray;
+static skf_hit *close_span(span_list *l, bool with_ray) {
   l->inside = false;
-  l->count++;
+  if (l->count++ >= l->capacity) return NULL;
+  l->spans[l->count - 1].ends_inside = with_ray;
+  return &l->spans[l->count - 1].out;
+}
+
+static void set_hit(skf_hit *to, skf_hit h) {
+  if (to) *to = h;
 }
 
 static bool add_crossing(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
   span_list *l = user;
-  skf_hit h = hit_at(w, a, b, guess);
-  if (h.entering) {
-    open_span(l, h, false);
-  } else {
-    if (!l->inside) open_span(l, l->start, true);
-    close_span(l, h, false);
-  }
+  bool entering = b->f > a->f;
+  if (!entering && !l->inside) set_hit(open_span(l, true), l->start);
+  skf_hit *to = entering ? open_span(l, false) : close_span(l, false);
+  if (to) hit_at(&l->room, to, w, a, b, guess);
   return true;
 }
 
@@ -80,38 +94,25 @@ static skf_hit end_of_ray(const skf_ray *ray, double t) {
 
 skf_status skf_tracer_spans(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_span *spans,
                             size_t *count, skf_ray_report *report) {
-  span_list l = {.capacity = capacity, .spans = spans, .start = end_of_ray(ray, ray->t_min)};
+  span_list l;
   skf_question q = {.tracer = tracer, .found = add_crossing};
   int last;
-  l.start.entering = true;
+  l.capacity = capacity, l.count = l.room.count = 0, l.spans = spans, l.inside = false;
+  l.start = end_of_ray(ray, ray->t_min), l.start.entering = true;
   skf_status s = skf_ask(&q, ray, &l, &last);
+  serve(&q, &l.room);
   if (!s && ray->t_min < ray->t_max) {
-    if (!l.inside && !l.count && last > 0) open_span(&l, l.start, true);
-    if (l.inside) close_span(&l, end_of_ray(ray, ray->t_max), true);
+    if (!l.inside && !l.count && last > 0) set_hit(open_span(&l, true), l.start);
+    if (l.inside) set_hit(close_span(&l, true), end_of_ray(ray, ray->t_max));
   }
   *count = l.count;
   return end(&q, s, report);
 }
 
-/* A first crossing that waits for the field at its guess; t: the next one. */
-struct skf_waiting {
-  skf_hit *hit;
-  skf_walk walk;
-  skf_bow bow;
-  skf_knot a, b;
-  double guess, t;
-};
-
 static bool take_first(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
-  skf_answer *c = user;
+  const skf_answer *c = user;
   *c->found = true;
-  if (!w->bow) {
-    *c->hit = hit_at(w, a, b, guess);
-    return false;
-  }
-  skf_waiting *wait = c->waiting + (*c->waits)++;
-  wait->hit = c->hit, wait->bow = *w->bow, wait->a = *a, wait->b = *b, wait->guess = wait->t = guess;
-  wait->walk = (skf_walk){.tracer = w->tracer, .origin = w->origin, .direction = w->direction, .leaf = w->leaf};
+  hit_at(c->room, c->hit, w, a, b, guess);
   return false;
 }
 
@@ -122,67 +123,17 @@ static bool stop(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, 
 }
 
 /* Rays for a thread at a time: it changes no result. */
-enum { SHARE = 64 };
-
-/* The field at the guesses of n <= SHARE crossings, all at once where that is possible. */
-static void look_all(skf_waiting *const *wait, size_t n, skf_knot *k) {
-  double at[3][SHARE], out[4][SHARE];
-  size_t m = 0, which[SHARE];
-  for (size_t i = 0; i < n; i++) {
-    skf_walk *w = &wait[i]->walk;
-    if (w->tracer->plus || n == 1) {
-      skf_walk_look(w, wait[i]->t, k + i);
-      continue;
-    }
-    skf_vec3 p = v3_mad(w->origin, wait[i]->t, w->direction);
-    at[0][m] = p.x, at[1][m] = p.y, at[2][m] = p.z, which[m++] = i;
-  }
-  if (!m) return;
-  const double *const p[3] = {at[0], at[1], at[2]};
-  double *const F[4] = {out[0], out[1], out[2], out[3]};
-  skf_field_serial(wait[0]->walk.tracer->field, m, p, F);
-  for (size_t i = 0; i < m; i++) {
-    skf_waiting *w = wait[which[i]];
-    w->walk.report.evaluations++;
-    k[which[i]] = skf_walk_knot(&w->walk, w->t, (const double[4]){out[0][i], out[1][i], out[2][i], out[3][i]});
-  }
-}
-
-/* n <= SHARE; round after round with those that are not good enough yet */
-static void settle_all(skf_question *q, size_t n, skf_waiting *all) {
-  skf_waiting *wait[SHARE];
-  size_t left = n;
-  for (size_t i = 0; i < n; i++) wait[i] = all + i, all[i].walk.bow = &all[i].bow;
-  for (int round = 0; round < 3 && left; round++) {
-    skf_knot k[SHARE], root;
-    size_t still = 0;
-    look_all(wait, left, k);
-    for (size_t i = 0; i < left; i++) {
-      skf_waiting *w = wait[i];
-      if (skf_walk_settle(&w->walk, w->guess, k + i, &root))
-        *w->hit = hit_of(&root, w->b.f > w->a.f);
-      else
-        w->t = root.t, wait[still++] = w;
-    }
-    left = still;
-  }
-  for (size_t i = 0; i < left; i++) {
-    skf_waiting *w = wait[i];
-    w->walk.bow = NULL;
-    *w->hit = hit_at(&w->walk, &w->a, &w->b, w->guess);
-  }
-  for (size_t i = 0; i < n; i++) skf_report_add(&q->report, &all[i].walk.report);
-}
+enum { SHARE = 512 };
 
 skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray, skf_hit *hit, bool *found,
                             skf_ray_report *report) {
   skf_question q = {.tracer = tracer, .found = take_first, .first = true, .exact = true};
   int last;
-  skf_waiting waiting;
-  size_t waits = 0;
+  skf_room room;
+  room.count = 0;
   *found = false;
-  skf_status s = skf_ask(&q, ray, &(skf_answer){hit, found, &waiting, &waits}, &last);
-  settle_all(&q, waits, &waiting);
+  skf_status s = skf_ask(&q, ray, &(skf_answer){hit, found, &room}, &last);
+  serve(&q, &room);
   return end(&q, s, report);
 }
 
@@ -194,16 +145,22 @@ skf_status skf_tracer_occluded(const skf_tracer *tracer, const skf_ray *ray, boo
   return end(&q, s, report);
 }
 
-/* n <= SHARE; hits may be NULL */
+/* hits may be NULL */
 static skf_status answer_share(skf_question *q, size_t n, const skf_ray *rays, skf_hit *hits, bool *found) {
-  skf_answer a[SHARE];
-  skf_waiting waiting[SHARE];
-  size_t waits = 0;
-  for (size_t i = 0; i < n; i++)
-    found[i] = false, a[i] = (skf_answer){hits ? hits + i : NULL, found + i, waiting, &waits};
-  skf_status s = skf_ask_many(q, n, rays, a);
-  settle_all(q, waits, waiting);
-  return s;
+  skf_room room;
+  skf_status status = SKF_OK;
+  room.count = 0;
+  for (size_t from = 0; from < n; from += SKF_PACKET) {
+    skf_answer a[SKF_PACKET];
+    size_t m = n - from < SKF_PACKET ? n - from : SKF_PACKET;
+    for (size_t i = 0; i < m; i++)
+      found[from + i] = false, a[i] = (skf_answer){hits ? hits + from + i : NULL, found + from + i, &room};
+    skf_status s = skf_ask_many(q, m, rays + from, a);
+    status = s ? s : status;
+    while (room.count >= SKF_ROOM) skf_room_serve(&room, q->tracer, &q->report);
+  }
+  serve(q, &room);
+  return status;
 }
 
 static skf_status answer_all(const skf_question *kind, size_t n, const skf_ray *rays, skf_hit *hits, bool *found,

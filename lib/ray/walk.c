@@ -8,7 +8,6 @@
 #include "core/vec3.h"
 #include "field/some.h"
 #include "ray/cubic.h"
-#include "ray/patch.h"
 #include <float.h>
 
 enum { DEPTH = 128 };
@@ -31,11 +30,6 @@ static skf_knot knot_of(const skf_walk *w, double t, skf_vec3 p, double F, doubl
   size += fabs(w->tracer->iso);
   return (skf_knot){
       t, F - w->tracer->iso, v3_dot(g, w->direction), size, isfinite(F) ? noise * size + moved : 0, p, g, true};
-}
-
-skf_knot skf_walk_knot(const skf_walk *w, double t, const double out[4]) {
-  skf_vec3 p = v3_mad(w->origin, t, w->direction);
-  return knot_of(w, t, p, out[0], fabs(out[0]), v3(out[1], out[2], out[3]), 2 * w->tracer->noise);
 }
 
 void skf_walk_look(skf_walk *w, double t, skf_knot *k) {
@@ -187,39 +181,7 @@ static double inverse_step(const skf_knot *p, const skf_knot *q) {
   return r * r * (1 + 2 * s) * p->t + s * s * (1 + 2 * r) * q->t + h * s * r * (r / p->slope - s / q->slope);
 }
 
-/* Normals that are off by less are right to rounding. */
-#define STRAIGHT 1e-14
-/* By which two more derivatives of a polynomial on [-1, 1] may exceed it. */
-#define MARKOV (SKF_DEGREE * SKF_DEGREE * (SKF_DEGREE * SKF_DEGREE - 1) / 3.)
-
-/* What the field at the guess leaves of the model's error is of second order: f + slope s + the model's higher terms,
-   off by at most s^2 / 2 times what the second derivative is off by. From a second guess on, by all that it can be. */
-bool skf_walk_settle(const skf_walk *w, double guess, const skf_knot *k, skf_knot *root) {
-  const skf_bow *b = w->bow;
-  bool again = k->t != guess;
-  double grain = DBL_EPSILON * largest(k->at), s = -k->f / k->slope, off = w->leaf->bend;
-  if (!again) {
-    for (int i = 0; i < 2; i++) s = -(k->f + s * s * (b->c2 + s * b->c3)) / k->slope;
-    off = b->off + off * MARKOV * (s / b->length) * (s / b->length); /* the terms from the fourth on */
-  }
-  double error = 0.5 * off * s * s;
-  bool near = fabs(s) <= 4 * grain, good = error <= 2 * DBL_EPSILON * k->size || error <= 2 * grain * fabs(k->slope);
-  *root = *k;
-  root->t = k->t + s, root->at = v3_mad(w->origin, root->t, w->direction);
-  if (near || !good) return near;
-  double steep = v3_norm(k->gradient);
-  if (fabs(s) * w->leaf->bend <= STRAIGHT * steep) return true;
-  if (!(fabs(s) * off < w->tracer->normals * steep)) return false;
-  root->gradient = v3_add(k->gradient, skf_patch_turn(w->leaf, k->at, root->at));
-  return true;
-}
-
 skf_knot skf_walk_polish(skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
-  skf_knot at, root = {.t = guess};
-  for (int i = 0; w->bow && i < 3; i++) {
-    skf_walk_look(w, root.t, &at);
-    if (skf_walk_settle(w, guess, &at, &root)) return root;
-  }
   skf_knot lo = *a, hi = *b, best = fabs(a->f) < fabs(b->f) ? *a : *b, old = best, k;
   if ((lo.f > 0) == (hi.f > 0)) return best; /* an end within rounding of the surface */
   double x = guess, grain = DBL_EPSILON * largest(v3_mad(w->origin, guess, w->direction));

@@ -32,11 +32,21 @@ typedef struct skf_knot {
   bool known; /* else only t is set */
 } skf_knot;
 
-/* The model of a leaf along a ray around a root of it: half the second derivative, a sixth of the third; how far the
-   field's second one may be from the model's, and over what length the model's changes. */
+/* The model of a leaf along a ray at a root of it: half the second derivative, a sixth of the third; how far the
+   field's second derivatives may be from the model's; how the model's gradient changes along the ray, and how far from
+   it the field's may, INFINITY where that was not asked for. */
 typedef struct skf_bow {
-  double c2, c3, off, length;
+  double c2, c3, off;
+  skf_vec3 turn;
+  double loose;
 } skf_bow;
+
+/* What the third and the fourth derivatives of a leaf's model may be beside its `bend`, the sum of what the powers
+   amount to; in units of half the cell. */
+#define SKF_THIRD  (SKF_DEGREE - 2.)
+#define SKF_FOURTH ((SKF_DEGREE - 2.) * (SKF_DEGREE - 3.))
+/* Normals that are off by less are right to rounding. */
+#define SKF_STRAIGHT 1e-14
 
 typedef struct skf_walk {
   const skf_tracer *tracer;
@@ -55,12 +65,6 @@ typedef bool skf_crossing_fn(void *user, skf_walk *w, const skf_knot *a, const s
 bool skf_walk_piece(skf_walk *w, skf_knot *a, double b, skf_crossing_fn *found, void *user);
 
 void skf_walk_look(skf_walk *w, double t, skf_knot *out);
-
-/* The knot at t, from F there and its gradient, out[0] and out[1..3], of a field without mixed signs. */
-skf_knot skf_walk_knot(const skf_walk *w, double t, const double out[4]);
-
-/* The root beside k, by the bow at the guess; false: that is not certified to be good enough, but a better guess. */
-bool skf_walk_settle(const skf_walk *w, double guess, const skf_knot *k, skf_knot *root);
 
 /* The root between two knots to rounding: |f| <= 2 eps size, or nothing better in the coordinates' precision. */
 skf_knot skf_walk_polish(skf_walk *w, const skf_knot *a, const skf_knot *b, double guess);
