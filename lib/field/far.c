@@ -29,6 +29,24 @@ typedef struct block {
   skf_batch_sum sum;
 } block;
 
+/* The harmonics' sum G at x / r^2, x in sides of the cube, and its gradient there, make F = G / r and its own. */
+static void outside(const skf_far *f, const far_leaf *l, block *b, double x[3][SKF_BATCH]) {
+  double r[SKF_BATCH], out[4][SKF_BATCH];
+  for (size_t i = 0; i < b->padded; i++) {
+    double r2 = x[0][i] * x[0][i] + x[1][i] * x[1][i] + x[2][i] * x[2][i];
+    r[i] = sqrt(r2);
+    for (int k = 0; k < 3; k++) x[k][i] /= r2;
+  }
+  f->ops->evaluate(f->harmonic, l->tensor, b->padded, 1, (const double(*)[SKF_BATCH])x, out);
+  for (size_t i = 0; i < b->padded; i++) {
+    double dot = 0, by = l->per / (r[i] * r[i] * r[i]);
+    for (int k = 0; k < 3; k++) dot += out[1 + k][i] * x[k][i] * r[i];
+    b->sum.s[0][i] = out[0][i] / r[i];
+    for (int k = 0; k < 3; k++)
+      b->sum.s[1 + k][i] = by * (out[1 + k][i] - r[i] * x[k][i] * (2 * dot + r[i] * out[0][i]));
+  }
+}
+
 static void sum_block(const skf_far *f, size_t leaf, block *b) {
   const far_leaf *l = f->leaf + leaf;
   b->padded = (b->n + SKF_BATCH_PAD - 1) / SKF_BATCH_PAD * SKF_BATCH_PAD;
@@ -38,7 +56,13 @@ static void sum_block(const skf_far *f, size_t leaf, block *b) {
     double x[3][SKF_BATCH];
     for (int k = 0; k < 3; k++)
       for (size_t i = 0; i < b->padded; i++) x[k][i] = (b->p[k][i] - v3_get(l->center, k)) * l->per;
-    f->ops->local(&f->layout, l->tensor, b->padded, l->per, (const double(*)[SKF_BATCH])x, b->sum.s);
+    const double(*at)[SKF_BATCH] = (const double(*)[SKF_BATCH])x;
+    if (l->tensor == f->whole)
+      outside(f, l, b, x);
+    else if (f->harmonic)
+      f->ops->evaluate(f->harmonic, l->tensor, b->padded, l->per, at, b->sum.s);
+    else
+      f->ops->local(&f->layout, l->tensor, b->padded, l->per, at, b->sum.s);
     for (int k = 0; k < 4; k++) memset(b->sum.low[k], 0, b->padded * sizeof(double));
   } else
     memset(&b->sum, 0, sizeof b->sum);
@@ -146,6 +170,41 @@ static void local_hessian(const skf_far *f, const far_leaf *l, skf_vec3 p, doubl
   for (int m = 0; m < 6; m++) h[m] *= l->per * l->per;
 }
 
+/* Multiplies by (l - m)! (l + m)!, or divides. */
+static void by_factorials(int order, bool divide, double *c) {
+  for (int l = 0; l < order; l++)
+    for (int m = 0; m <= l; m++) {
+      double f = tgamma(l - m + 1) * tgamma(l + m + 1), by = divide ? 1 / f : f;
+      c[far_cosine(l, m)] *= by;
+      if (m) c[far_sine(l, m)] *= by;
+    }
+}
+
+/* The coefficients' derivatives. */
+static void harmonic_hessian(const skf_far *f, const far_leaf *l, skf_vec3 p, double h[6]) {
+  enum { MOST = (FAR_DEGREES + 2) * (FAR_DEGREES + 2) };
+  double R[MOST], c[MOST], once[MOST], twice[MOST], x[3], r = 1;
+  const bool out = l->tensor == f->whole;
+  const int n = f->harmonic->order, first = out ? n + 1 : n - 1, second = out ? n + 2 : n - 2;
+  for (int k = 0; k < 3; k++) x[k] = (v3_get(p, k) - v3_get(l->center, k)) * l->per;
+  if (out) {
+    r = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+    for (int k = 0; k < 3; k++) x[k] = x[k] / r / r;
+  }
+  skf_far_regular(second, x, R);
+  memcpy(c, l->tensor, (size_t)(n * n) * sizeof *c);
+  if (out) by_factorials(n, true, c), by_factorials(second, false, R);
+  for (int i = 0, m = 0; i < 3; i++) {
+    skf_far_derive(n, out, i, c, once);
+    for (int k = i; k < 3; k++, m++) {
+      double s = 0;
+      skf_far_derive(first, out, k, once, twice);
+      for (int a = 0; a < second * second; a++) s += twice[a] * R[a];
+      h[m] = s * l->per * l->per / r;
+    }
+  }
+}
+
 void skf_far_value(const skf_far *f, skf_vec3 p, int order, skf_value *v) {
   block b = {.n = 1, .p = {{p.x}, {p.y}, {p.z}}};
   size_t leaf = find(f, p);
@@ -157,7 +216,10 @@ void skf_far_value(const skf_far *f, skf_vec3 p, int order, skf_value *v) {
   if (order < 2) return;
   const far_leaf *l = f->leaf + leaf;
   double h[6] = {0};
-  if (l->tensor) local_hessian(f, l, p, h);
+  if (l->tensor && f->harmonic)
+    harmonic_hessian(f, l, p, h);
+  else if (l->tensor)
+    local_hessian(f, l, p, h);
   for (size_t i = 0; i < l->count; i++) {
     const skf_batch *sources = f->batch + f->list[l->first + i];
     for (size_t t = 0; t < sources->tiles; t++)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Large sums of elements of one kernel, 1/r, 1/r^2 or Cauchy, by a fast multipole method on Chebyshev polynomials [Fong
-   & Darve 2009] whose kernels between cells are sums of Gaussians (far_mixture.h). Everything that depends on the
-   sources alone is computed once: a point adds up the elements in the 27 cells around its own by their closed forms,
-   and one polynomial for all others. A point outside of the root sees the whole as weighted points. */
+/* Large sums of elements of one kernel, 1/r, 1/r^2 or Cauchy, by a fast multipole method: 1/r in solid harmonics
+   (far_harmonic.h), the others in Chebyshev polynomials [Fong & Darve 2009], whose kernels between cells are sums of
+   Gaussians (far_mixture.h). Everything that depends on the sources alone is computed once: a point adds up the
+   elements in the 27 cells around its own by their closed forms, and one expansion for all others. A point outside of
+   the root sees the whole as harmonics around its middle or as weighted points. */
 #ifndef SKF_FIELD_FAR_H
 #define SKF_FIELD_FAR_H
 

@@ -18,8 +18,8 @@ static size_t most_targets(size_t n, double accuracy) {
   return (size_t)((0x1p28 + 0x1p10 * (double)n) / tensor);
 }
 
-/* Chebyshev points in the cube of the whole, with weights that have its moments: as many along each axis as give the
-   total degree's accuracy. */
+/* Without harmonics: Chebyshev points in the cube of the whole, with weights that have its moments: as many along each
+   axis as give the total degree's accuracy. */
 static int outer_points(const far_layout *l) { return (4 * l->order + 4) / 5; }
 
 static void outer(skf_far *f, const skf_prepared *like, const double *whole, skf_prepared *out) {
@@ -50,9 +50,19 @@ static void outer(skf_far *f, const skf_prepared *like, const double *whole, skf
       }
 }
 
+/* The fields outside, per side of the cube. */
+static skf_status outer_harmonics(skf_far *f, const double *whole) {
+  const far_harmonic *h = f->harmonic;
+  if (!(f->whole = skf_alloc(h->size, sizeof(double)))) return SKF_ERR_NOMEM;
+  for (size_t k = 0; k < h->size; k++) f->whole[k] = whole[k] * h->norm[k] / f->tree.side;
+  for (size_t i = 0; i < f->tree.target_count; i++)
+    for (size_t k = 0; k < h->size; k++) f->tensors[i * h->size + k] *= h->norm[k];
+  return SKF_OK;
+}
+
 static skf_status make_batches(skf_far *f, const skf_prepared *elements, const double *whole) {
   far_tree *t = &f->tree;
-  size_t points = (size_t)outer_points(&f->layout), leaves = 0;
+  size_t points = f->harmonic ? 0 : (size_t)outer_points(&f->layout), leaves = 0;
   points = points * points * points;
   for (size_t k = 0; k < t->source_count; k++) leaves += !t->source[k].split;
   f->prepared_count = t->pieces.count + points;
@@ -64,7 +74,7 @@ static skf_status make_batches(skf_far *f, const skf_prepared *elements, const d
     const skf_prepared *e = elements + p->element;
     skf_prepare(&(skf_element){p->primitive, e->kernel, e->strength}, f->prepared + i);
   }
-  outer(f, elements, whole, f->prepared + t->pieces.count);
+  if (points) outer(f, elements, whole, f->prepared + t->pieces.count);
   for (size_t k = 0; k < t->source_count; k++) { /* from here on `first` is the batch */
     far_source *s = t->source + k;
     if (s->split) continue;
@@ -72,6 +82,7 @@ static skf_status make_batches(skf_far *f, const skf_prepared *elements, const d
     if (status) return status;
     s->first = f->batches++;
   }
+  if (f->harmonic) return outer_harmonics(f, whole);
   return skf_batch_new(f->batch_ops, f->prepared + t->pieces.count, points, f->batch + f->batches++);
 }
 
@@ -103,8 +114,8 @@ static bool make_leaves(skf_far *f) {
     const far_target *p = t->target + k;
     if (p->child >= 0) continue;
     far_leaf *leaf = f->leaf + f->leaves;
-    *leaf = (far_leaf){far_center(t, p->level, p->at), 2 / (FAR_WIDE * far_side(t, p->level)),
-                       f->tensors + k * f->layout.size, f->list_count, 0};
+    double side = far_side(t, p->level), per = f->harmonic ? 1 / side : 2 / (FAR_WIDE * side);
+    *leaf = (far_leaf){far_center(t, p->level, p->at), per, f->tensors + k * f->layout.size, f->list_count, 0};
     for (int i = 0; i < 27; i++) {
       int s = skf_far_tree_find(t, p->level, p->at[0] + i % 3 - 1, p->at[1] + i / 3 % 3 - 1, p->at[2] + i / 9 - 1);
       if (s >= 0 && !list_below(f, &capacity, s)) return false;
@@ -112,7 +123,10 @@ static bool make_leaves(skf_far *f) {
     leaf->count = f->list_count - leaf->first;
     f->leaf_of[k] = (unsigned)f->leaves++;
   }
-  f->leaf[f->leaves++] = (far_leaf){.first = f->list_count, .count = 1};
+  const int middle[3] = {1, 1, 1};
+  far_leaf *out = f->leaf + f->leaves++;
+  *out = (far_leaf){far_center(t, 0, middle), 1 / t->side, f->whole, f->list_count, f->harmonic ? 0 : 1};
+  if (f->harmonic) return true;
   return list_add(f, &capacity, f->batches - 1);
 }
 
@@ -145,6 +159,7 @@ void skf_far_free(skf_far *f) {
   if (!f) return;
   for (size_t i = 0; i < f->batches && f->batch; i++) skf_batch_free(f->batch + i);
   skf_far_tree_free(&f->tree);
+  skf_far_harmonic_free(f->harmonic), skf_free(f->whole);
   skf_free(f->tensors), skf_free(f->prepared), skf_free(f->batch), skf_free(f->list), skf_free(f->leaf_of);
   skf_free(f->leaf), skf_free(f);
 }

@@ -15,6 +15,8 @@ SKF_INLINE skf_vd far_mad(skf_vd a, skf_vd b, skf_vd c) { return vd_fma(a, b, c)
 SKF_INLINE skf_vd far_mad(skf_vd a, skf_vd b, skf_vd c) { return a * b + c; }
 #endif
 
+#include "field/far_harmonic_loop.h"
+
 /* One column of a tensor, or two side by side: entries i < n at at[i], of the second one i < n - FAR_PAD. `mirror`: of
    the cell at the opposite shift. */
 typedef struct far_column {
@@ -215,7 +217,7 @@ static void far_local(const far_layout *l, const double *tensor, size_t n, doubl
     {{far_along0FAR_ONE, far_along0FAR_TWO, far_along0FAR_SAME},                                                       \
      {far_along1FAR_ONE, far_along1FAR_TWO, far_along1FAR_SAME},                                                       \
      {far_along2, NULL, NULL}},                                                                                        \
-        far_points, far_local                                                                                          \
+        far_points, far_local, far_transfer, far_gather, far_evaluate                                                  \
   }
 
 #endif

@@ -16,6 +16,8 @@ typedef struct far_leaf {
 
 struct skf_far {
   far_layout layout;
+  far_harmonic *harmonic; /* NULL: the tensors are of polynomials */
+  double *whole;          /* with harmonics, of all that is outside */
   const far_ops *ops;
   const skf_batch_ops *batch_ops;
   far_tree tree;

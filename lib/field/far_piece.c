@@ -72,24 +72,37 @@ int skf_far_piece_cut(const skf_primitive *p, int axis, double where, skf_primit
 typedef struct sink {
   const far_ops *ops;
   const far_layout *l;
+  const far_harmonic *harmonic;
   skf_vec3 center;
   double per, *tensor;
   int count;
-  double x[3][FAR_GATHER][FAR_ORDER + FAR_PAD];
+  double x[4][FAR_GATHER]; /* and weights */
 } sink;
 
+static void flush_polynomials(const sink *s) {
+  double T[3][FAR_GATHER][FAR_ORDER + FAR_PAD];
+  int n = s->l->order;
+  for (int i = 0; i < FAR_GATHER; i++) {
+    for (int k = 0; k < 3; k++) far_chebyshev(s->x[k][i], n, T[k][i]);
+    for (int a = 0; a < n; a++) T[0][i][a] *= s->x[3][i];
+    for (int c = n; c < FAR_ORDER + FAR_PAD; c++) T[2][i][c] = 0;
+  }
+  s->ops->points(s->l, T, s->tensor);
+}
+
 static void flush(sink *s) {
-  for (int k = 0; k < 3; k++)
-    for (int i = s->count; i < FAR_GATHER; i++) memset(s->x[k][i], 0, sizeof s->x[k][i]);
-  if (s->count) s->ops->points(s->l, s->x, s->tensor);
+  for (int i = s->count; i < FAR_GATHER; i++) s->x[0][i] = s->x[1][i] = s->x[2][i] = s->x[3][i] = 0;
+  if (s->count && s->harmonic)
+    s->ops->gather(s->harmonic, s->x, s->tensor);
+  else if (s->count)
+    flush_polynomials(s);
   s->count = 0;
 }
 
 static void add_point(sink *s, skf_vec3 q, double weight) {
-  int i = s->count++, n = s->l->order;
-  for (int k = 0; k < 3; k++) far_chebyshev(s->per * (v3_get(q, k) - v3_get(s->center, k)), n, s->x[k][i]);
-  for (int a = 0; a < n; a++) s->x[0][i][a] *= weight;
-  for (int c = n; c < FAR_ORDER + FAR_PAD; c++) s->x[2][i][c] = 0;
+  int i = s->count++;
+  for (int k = 0; k < 3; k++) s->x[k][i] = s->per * (v3_get(q, k) - v3_get(s->center, k));
+  s->x[3][i] = weight;
   if (s->count == FAR_GATHER) flush(s);
 }
 
@@ -126,10 +139,10 @@ static void add_piece(sink *s, const skf_primitive *p, double strength, double g
   }
 }
 
-void skf_far_moments(const far_ops *ops, const far_layout *l, const far_piece *piece, size_t n,
-                     const skf_prepared *elements, skf_vec3 center, double per, double gap, double accuracy,
+void skf_far_moments(const far_ops *ops, const far_layout *l, const far_harmonic *harmonic, const far_piece *piece,
+                     size_t n, const skf_prepared *elements, skf_vec3 center, double per, double gap, double accuracy,
                      double *tensor) {
-  sink s = {.ops = ops, .l = l, .center = center, .per = per, .tensor = tensor};
+  sink s = {.ops = ops, .l = l, .harmonic = harmonic, .center = center, .per = per, .tensor = tensor};
   for (size_t i = 0; i < n; i++) add_piece(&s, &piece[i].primitive, elements[piece[i].element].strength, gap, accuracy);
   flush(&s);
 }

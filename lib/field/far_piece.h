@@ -22,10 +22,10 @@ bool skf_far_piece_add(far_pieces *list, const far_piece *piece);
    three; 0 where it cannot be cut. */
 int skf_far_piece_cut(const skf_primitive *p, int axis, double where, skf_primitive parts[3]);
 
-/* Adds the elements' strengths times the integrals of the polynomials over n pieces of them, x = per (q - center), to a
-   relative error of the field of `accuracy` at all distances >= gap. */
-void skf_far_moments(const far_ops *ops, const far_layout *l, const far_piece *piece, size_t n,
-                     const skf_prepared *elements, skf_vec3 center, double per, double gap, double accuracy,
+/* Adds the elements' strengths times the integrals of the polynomials, or of the harmonics R if there are any, over n
+   pieces of them, x = per (q - center), to a relative error of the field of `accuracy` at all distances >= gap. */
+void skf_far_moments(const far_ops *ops, const far_layout *l, const far_harmonic *harmonic, const far_piece *piece,
+                     size_t n, const skf_prepared *elements, skf_vec3 center, double per, double gap, double accuracy,
                      double *tensor);
 
 #endif

@@ -5,7 +5,7 @@
 #define SKF_FIELD_FAR_TENSOR_H
 
 #include "field/batch.h"
-#include "field/far_mixture.h"
+#include "field/far_harmonic.h"
 
 /* Doubles in a vector of these loops; points whose polynomials are added at once */
 enum { FAR_PAD = 4, FAR_GATHER = 8 };
@@ -40,6 +40,15 @@ typedef struct far_ops {
      is dx/dp */
   void (*local)(const far_layout *l, const double *tensor, size_t n, double per, const double x[3][SKF_BATCH],
                 double out[4][SKF_BATCH]);
+
+  /* The same for solid harmonics: the first n <= FAR_GROUP of `from` times `by` are carried over and added to those of
+     `to`; room: 16 times as much as a tensor. */
+  void (*transfer)(const far_move *m, far_kind kind, double by, int n, const double *const from[FAR_GROUP],
+                   double *const to[FAR_GROUP], double *room);
+  /* out += R at points, x[3]: their weights */
+  void (*gather)(const far_harmonic *h, const double x[4][FAR_GATHER], double *out);
+  void (*evaluate)(const far_harmonic *h, const double *tensor, size_t n, double per, const double x[3][SKF_BATCH],
+                   double out[4][SKF_BATCH]);
 } far_ops;
 
 extern const far_ops skf_far_scalar, skf_far_avx2;

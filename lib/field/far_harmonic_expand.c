@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+/* Expansions in solid harmonics. */
+#include "field/far_job.h"
+
+/* Up to FAR_GROUP cells that go the same way */
+typedef struct group {
+  const far_job *j;
+  const far_move *move;
+  far_kind kind;
+  double by;
+  int n;
+  const double *from[FAR_GROUP];
+  double *to[FAR_GROUP];
+} group;
+
+static void go(group *g) {
+  if (g->n) g->j->far->ops->transfer(g->move, g->kind, g->by, g->n, g->from, g->to, far_room(g->j));
+  g->n = 0;
+}
+
+static void add(group *g, const double *from, double *to) {
+  g->from[g->n] = from, g->to[g->n++] = to;
+  if (g->n == FAR_GROUP) go(g);
+}
+
+static void scale(const far_harmonic *h, double *t) {
+  for (size_t k = 0; k < h->size; k++) t[k] *= h->norm[k];
+}
+
+/* Sources are taken eight by eight, whatever the number of threads. */
+static void up(const far_job *j, int level) {
+  const far_tree *t = &j->far->tree;
+  const far_harmonic *h = j->far->harmonic;
+  size_t first = t->source_level[level], end = t->source_level[level + 1];
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t k0 = first; k0 < end; k0 += FAR_GROUP) {
+    size_t k1 = k0 + FAR_GROUP < end ? k0 + FAR_GROUP : end;
+    for (size_t k = k0; k < k1; k++)
+      if (!t->source[k].split) skf_far_collect(j, k), scale(h, far_moments_of(j, k));
+    for (int i = 0; i < 8; i++) {
+      group g = {.j = j, .move = h->child + i, .kind = FAR_UP, .by = 1};
+      for (size_t k = k0; k < k1; k++) {
+        int child = t->source[k].child[i];
+        if (child >= 0) add(&g, far_moments_of(j, (size_t)child), far_moments_of(j, k));
+      }
+      go(&g);
+    }
+  }
+}
+
+static void down(const far_job *j, int level) {
+  const far_tree *t = &j->far->tree;
+  size_t first = t->target_level[level - 1], end = t->target_level[level];
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t k0 = first; k0 < end; k0 += FAR_GROUP)
+    for (int i = 0; i < 8; i++) {
+      group g = {.j = j, .move = j->far->harmonic->child + i, .kind = FAR_DOWN, .by = 1};
+      for (size_t k = k0; k < k0 + FAR_GROUP && k < end; k++)
+        if (t->target[k].child >= 0) add(&g, far_tensor_of(j, k), far_tensor_of(j, (size_t)(t->target[k].child + i)));
+      go(&g);
+    }
+}
+
+static bool ready(const far_job *j, int level) {
+  (void)j, (void)level;
+  return true;
+}
+
+/* Whether a source at a shift is the business of the target: its parent is a neighbour of the target's. */
+static bool concerns(const int shift[3], const int target[3]) {
+  for (int k = 0; k < 3; k++)
+    if (far_shift_of(target[k] + shift[k] + BLOCK / 2, target[k]) == FAR_SHIFTS) return false;
+  return true;
+}
+
+static void from_shift(const far_job *j, const far_block *b, const int shift[3], group *g) {
+  for (int i = 0; i < BLOCK * BLOCK * BLOCK; i++) {
+    const int t[3] = {i % BLOCK, i / BLOCK % BLOCK, i / BLOCK / BLOCK}, target = b->target[t[0]][t[1]][t[2]];
+    if (target < 0 || !concerns(shift, t)) continue;
+    const double *source = b->source[t[2] + shift[2] + 2][t[1] + shift[1] + 2][t[0] + shift[0] + 2];
+    if (source) add(g, source, far_tensor_of(j, (size_t)target));
+  }
+  go(g);
+}
+
+static void across(const far_job *j, int level, const far_block *b) {
+  for (int i = 0; i < FAR_SHIFTS * FAR_SHIFTS * FAR_SHIFTS; i++) {
+    const int shift[3] = {i % 7 - FAR_REACH, i / 7 % 7 - FAR_REACH, i / 49 - FAR_REACH};
+    const far_move *move = &j->far->harmonic->over[FAR_REACH - shift[0]][FAR_REACH - shift[1]][FAR_REACH - shift[2]];
+    group g = {.j = j, .move = move, .kind = FAR_OVER, .by = 1 / far_side(&j->far->tree, level)};
+    if (move->order) from_shift(j, b, shift, &g);
+  }
+}
+
+skf_status skf_far_harmonics(far_job *j) {
+  far_harmonic *h = skf_far_harmonic_new(j->accuracy);
+  if (!h) return SKF_ERR_NOMEM;
+  j->far->harmonic = h;
+  j->far->layout = (far_layout){.order = h->order, .size = h->size};
+  j->up = up, j->down = down, j->ready = ready, j->across = across;
+  return SKF_OK;
+}
