@@ -94,6 +94,9 @@ void skf_light_many(const skf_stage *g, size_t n, const skf_sight *const *at, co
 /* ---- render_trace.c ---- */
 /* Light back along the beam from what it meets. */
 void skf_radiance(const skf_stage *g, const skf_beam *beam, const skf_sight *at, const float *lit, double rgb[3]);
+/* Along n <= SKF_MANY beams, bit for bit; the light on place k is at lit[k * stride]. */
+void skf_radiance_many(const skf_stage *g, size_t n, const skf_beam *beams, const skf_sight *at, const float *lit,
+                       size_t stride, double (*rgb)[3]);
 bool skf_light_is_hard(const skf_light *light);
 
 /* ---- render_shade.c ---- */
@@ -121,6 +124,14 @@ void skf_palette_free(skf_palette *p);
    be NULL. */
 const skf_look *skf_palette_at(const skf_palette *p, const skf_render_body *body, const skf_sight *at, skf_look *room,
                                skf_vec3 *normal);
+/* The weights of its parts in the mixture at places of the body's, n <= SKF_MANY of the sights; false: too many parts.
+ */
+enum { SKF_PARTS = 8 };
+bool skf_palette_weigh(const skf_palette *p, size_t n, const size_t *which, const skf_sight *sights,
+                       double (*weights)[SKF_PARTS]);
+/* skf_palette_at where the weights are known; NULL: they are not. */
+const skf_look *skf_palette_look(const skf_palette *p, const skf_render_body *body, const skf_sight *at,
+                                 const double *weights, skf_look *room, skf_vec3 *normal);
 bool skf_look_is_clear(const skf_render_body *body);
 /* From the frame of the inertial world to the body's own, and back, at a time of the shutter. */
 skf_vec3 skf_body_own(const skf_render_body *b, double time, skf_vec3 v, bool place);

@@ -2,6 +2,7 @@
 /* Materials along a surface: mixed by what each element adds to the field there. */
 #include "ray/render.h"
 #include "core/alloc.h"
+#include "field/some.h"
 
 struct skf_palette {
   size_t n;           /* of parts of the field: one for each look, or for each element of looks with pictures */
@@ -111,32 +112,76 @@ static void add_share(skf_look *to, double share, const skf_look *from) {
   to->shine += share * from->shine, to->ior += share * from->ior;
 }
 
-/* Twice: the sum of all parts, then each one's share of it. Without any field there, the first look. */
-static void mix(const skf_palette *p, const skf_render_body *body, skf_vec3 at, skf_look *look, skf_vec3 *relief) {
+/* A part counts where it is positive. */
+static double count(double f) { return f > 0 ? fmin(f, 1e300) : 0; }
+
+static void weigh_part(const skf_field *field, size_t n, const size_t *which, const skf_sight *sights, double *out) {
+  double at[3][SKF_MANY], *const F[4] = {out, NULL, NULL, NULL};
+  if (n == 0) return;
+  for (size_t i = 0; i < n; i++) {
+    skf_vec3 p = sights[which[i]].own;
+    at[0][i] = p.x, at[1][i] = p.y, at[2][i] = p.z;
+  }
+  const double *const p[3] = {at[0], at[1], at[2]};
+  if (skf_field_is_direct(field)) {
+    skf_field_serial(field, n, p, F);
+    return;
+  }
+  for (size_t i = 0; i < n; i++) out[i] = skf_field_at(field, sights[which[i]].own, NULL);
+}
+
+bool skf_palette_weigh(const skf_palette *p, size_t n, const size_t *which, const skf_sight *sights,
+                       double (*weights)[SKF_PARTS]) {
+  if (p->n > SKF_PARTS) return false;
+  for (size_t k = 0; k < p->n; k++) {
+    double f[SKF_MANY] = {0};
+    if (p->fields[k]) weigh_part(p->fields[k], n, which, sights, f);
+    for (size_t i = 0; i < n; i++) weights[which[i]][k] = count(f[i]);
+  }
+  return true;
+}
+
+/* Of many parts nobody keeps the weights: they are computed twice. */
+static double weight_of(const skf_palette *p, size_t part, skf_vec3 at, const double *weights) {
+  if (weights) return weights[part];
+  return p->fields[part] ? count(skf_field_at(p->fields[part], at, NULL)) : 0;
+}
+
+/* Each part's look by its share of the sum of all. Without any field there, the first look. */
+static void mix(const skf_palette *p, const skf_render_body *body, skf_vec3 at, const double *weights, skf_look *look,
+                skf_vec3 *relief) {
   double sum = 0;
   *look = (skf_look){.texture_count = 0};
-  for (int pass = 0; pass < 2; pass++)
-    for (size_t i = 0; i < p->n; i++) {
-      if (!p->fields[i]) continue;
-      double f = skf_field_at(p->fields[i], at, NULL);
-      f = f > 0 ? fmin(f, 1e300) : 0;
-      if (pass == 0) {
-        sum += f;
-      } else if (f > 0) {
-        skf_look part = body->looks[p->look_of[i]];
-        dress(&part, at, p->elements[i] ? &p->elements[i]->primitive : NULL, f / sum, relief);
-        add_share(look, f / sum, &part);
-      }
+  for (size_t i = 0; i < p->n; i++) sum += weight_of(p, i, at, weights);
+  for (size_t i = 0; i < p->n; i++) {
+    double share = weight_of(p, i, at, weights) / sum;
+    if (!(share > 0)) continue;
+    const skf_look *part = body->looks + p->look_of[i];
+    skf_look dressed;
+    if (part->texture_count) {
+      dressed = *part;
+      dress(&dressed, at, p->elements[i] ? &p->elements[i]->primitive : NULL, share, relief);
+      part = &dressed;
     }
+    add_share(look, share, part);
+  }
   if (!(sum > 0)) *look = body->looks[0];
 }
 
 const skf_look *skf_palette_at(const skf_palette *p, const skf_render_body *body, const skf_sight *at, skf_look *room,
                                skf_vec3 *normal) {
+  const size_t first = 0;
+  double weights[1][SKF_PARTS];
+  bool known = p && skf_palette_weigh(p, 1, &first, at, weights);
+  return skf_palette_look(p, body, at, known ? weights[0] : NULL, room, normal);
+}
+
+const skf_look *skf_palette_look(const skf_palette *p, const skf_render_body *body, const skf_sight *at,
+                                 const double *weights, skf_look *room, skf_vec3 *normal) {
   skf_vec3 relief = {0, 0, 0};
   const skf_look *look = room;
   if (p) {
-    mix(p, body, at->own, room, &relief);
+    mix(p, body, at->own, weights, room, &relief);
   } else {
     bool one = body->offsets && body->elements;
     look = body->looks + (body->offsets && body->look_of ? look_of(body, at->item) : 0);

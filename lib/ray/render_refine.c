@@ -69,12 +69,12 @@ static void finish_sheaf(skf_picture *r, sheaf *s) {
   int w = r->s->width, n = r->s->samples;
   skf_sight sights[SKF_MANY];
   float lit[SKF_MANY][SKF_LIT];
-  double rgb[3];
+  double rgb[SKF_MANY][3];
   skf_look_many(&r->stage, (size_t)s->n, s->beams, sights);
   light_sheaf(r, s, sights, lit);
+  skf_radiance_many(&r->stage, (size_t)s->n, s->beams, sights, lit[0], SKF_LIT, rgb);
   for (int k = 0; k < s->n; k++) {
-    skf_radiance(&r->stage, s->beams + k, sights + k, lit[k], rgb);
-    for (int c = 0; c < 3; c++) s->sum[c] += rgb[c] / n;
+    for (int c = 0; c < 3; c++) s->sum[c] += rgb[k][c] / n;
     if (++s->summed < n) continue;
     skf_put(r, (size_t)s->y * w + s->x[k], s->sum);
     s->sum[0] = s->sum[1] = s->sum[2] = 0, s->summed = 0;
@@ -124,6 +124,7 @@ void skf_row_scatter(skf_picture *r, int y) {
       const skf_sight *at[BATCH];
       skf_beam from[BATCH];
       float lit[BATCH][SKF_LIT], *out[BATCH];
+      double light[BATCH][3];
       int m = r->s->samples - n < BATCH ? r->s->samples - n : BATCH;
       size_t hits = 0;
       for (int i = 0; i < m; i++) beams[i] = scattered_beam(r, x, y, n + i);
@@ -131,10 +132,11 @@ void skf_row_scatter(skf_picture *r, int y) {
       for (int i = 0; i < m; i++)
         if (sights[i].body != SKF_NOTHING) at[hits] = sights + i, from[hits] = beams[i], out[hits++] = lit[i];
       skf_light_places(r, hits, at, from, out);
+      skf_radiance_many(&r->stage, (size_t)m, beams, sights, lit[0], SKF_LIT, light);
       for (int i = 0; i < m; i++) {
-        skf_radiance(&r->stage, beams + i, sights + i, lit[i], rgb);
-        for (int c = 0; c < 3; c++) sum[c] += rgb[c];
-        squares += (rgb[0] + rgb[1] + rgb[2]) * (rgb[0] + rgb[1] + rgb[2]);
+        double bright = light[i][0] + light[i][1] + light[i][2];
+        for (int c = 0; c < 3; c++) sum[c] += light[i][c];
+        squares += bright * bright;
       }
       n += m;
       double mean = (sum[0] + sum[1] + sum[2]) / n, error2 = fmax(squares / n - mean * mean, 0) / n;

@@ -144,13 +144,11 @@ void skf_row_shade(skf_picture *r, int y) {
   for (int x = 0; x < w; x += SKF_MANY) {
     skf_beam beams[SKF_MANY];
     int n = w - x < SKF_MANY ? w - x : SKF_MANY;
+    size_t k = (size_t)y * w + x;
+    double rgb[SKF_MANY][3];
     set_out(r, x, y, n, beams);
-    for (int i = 0; i < n; i++) {
-      size_t k = (size_t)y * w + x + i;
-      double rgb[3];
-      skf_radiance(&r->stage, beams + i, r->sights + k, r->raw + k * r->stride, rgb);
-      skf_put(r, k, rgb);
-    }
+    skf_radiance_many(&r->stage, (size_t)n, beams, r->sights + k, r->raw + k * r->stride, (size_t)r->stride, rgb);
+    for (int i = 0; i < n; i++) skf_put(r, k + i, rgb[i]);
   }
 }
 
@@ -162,12 +160,12 @@ void skf_row_draft(skf_picture *r, int y) {
     skf_beam beams[SKF_MANY];
     skf_sight sights[SKF_MANY];
     int n = w - x < SKF_MANY ? w - x : SKF_MANY;
+    double rgb[SKF_MANY][3];
     see(r, x, y, n, beams, sights);
+    skf_radiance_many(&r->stage, (size_t)n, beams, sights, lit, 0, rgb);
     for (int i = 0; i < n; i++) {
       size_t k = (size_t)y * w + x + i;
-      double rgb[3];
-      skf_radiance(&r->stage, beams + i, sights + i, lit, rgb);
-      skf_put(r, k, rgb);
+      skf_put(r, k, rgb[i]);
       if (r->depth && sights[i].body >= 0) r->depth[k] = (float)sights[i].t;
     }
   }

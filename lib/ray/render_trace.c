@@ -66,17 +66,44 @@ static void beyond(const skf_stage *g, const skf_beam *beam, const skf_sight *at
   }
 }
 
-void skf_radiance(const skf_stage *g, const skf_beam *beam, const skf_sight *at, const float *lit, double rgb[3]) {
+/* weights: see skf_palette_look. */
+static void radiance(const skf_stage *g, const skf_beam *beam, const skf_sight *at, const float *lit,
+                     const double *weights, double rgb[3]) {
   if (at->body < 0) {
     background(g, beam, rgb);
     if (at->body == SKF_GROUND) skf_shade_ground(g, at, lit, rgb);
   } else {
     skf_look room;
     skf_vec3 normal, eye = v3_scale(-1, beam->direction);
-    const skf_look *look = skf_palette_at(g->palettes[at->body], g->bodies + at->body, at, &room, &normal);
+    const skf_look *look = skf_palette_look(g->palettes[at->body], g->bodies + at->body, at, weights, &room, &normal);
     if (!(v3_dot(normal, eye) > 0)) normal = at->normal;
     skf_shade(g, look, at, normal, eye, lit, rgb);
     if (g->bounces > 0) beyond(g, beam, at, look, normal, rgb);
   }
   fog(g, at->t, rgb);
+}
+
+/* The weights of the looks on one body, where it is seen. */
+static void weigh(const skf_stage *g, int body, size_t n, const skf_sight *at, double (*weights)[SKF_PARTS],
+                  const double **out) {
+  size_t which[SKF_MANY], m = 0;
+  for (size_t k = 0; k < n; k++)
+    if (at[k].body == body) which[m++] = k;
+  if (!m || !skf_palette_weigh(g->palettes[body], m, which, at, weights)) return;
+  for (size_t i = 0; i < m; i++) out[which[i]] = weights[which[i]];
+}
+
+void skf_radiance_many(const skf_stage *g, size_t n, const skf_beam *beams, const skf_sight *at, const float *lit,
+                       size_t stride, double (*rgb)[3]) {
+  double weights[SKF_MANY][SKF_PARTS];
+  const double *known[SKF_MANY] = {NULL};
+  for (size_t i = 0; i < g->s->body_count; i++)
+    if (g->palettes[i]) weigh(g, (int)i, n, at, weights, known);
+  for (size_t k = 0; k < n; k++) radiance(g, beams + k, at + k, lit + k * stride, known[k], rgb[k]);
+}
+
+void skf_radiance(const skf_stage *g, const skf_beam *beam, const skf_sight *at, const float *lit, double rgb[3]) {
+  double out[1][3];
+  skf_radiance_many(g, 1, beam, at, lit, 0, out);
+  for (int k = 0; k < 3; k++) rgb[k] = out[0][k];
 }
