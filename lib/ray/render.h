@@ -101,7 +101,13 @@ bool skf_light_is_hard(const skf_light *light);
 
 /* ---- render_shade.c ---- */
 /* Direction to a light of the stage and how far it is, INFINITY for directional ones. */
-skf_vec3 skf_light_direction(const skf_light *light, skf_vec3 at, double *distance);
+static inline skf_vec3 skf_light_direction(const skf_light *light, skf_vec3 at, double *distance) {
+  if (light->directional) return *distance = INFINITY, light->at;
+  skf_vec3 way = v3_sub(light->at, at);
+  *distance = v3_norm(way);
+  bool plain = *distance > 1e-100 && *distance < 1e100;
+  return plain ? v3_scale(1 / *distance, way) : v3_unit(way);
+}
 /* The same to one place of its extent; a, b in [0, 1). */
 skf_vec3 skf_light_sample(const skf_light *light, skf_vec3 at, double a, double b, double *distance);
 /* The three lights that follow the camera. */

@@ -180,19 +180,17 @@ const skf_look *skf_palette_look(const skf_palette *p, const skf_render_body *bo
                                  const double *weights, skf_look *room, skf_vec3 *normal) {
   skf_vec3 relief = {0, 0, 0};
   const skf_look *look = room;
+  if (normal) *normal = at->normal;
   if (p) {
     mix(p, body, at->own, weights, room, &relief);
   } else {
     bool one = body->offsets && body->elements;
     look = body->looks + (body->offsets && body->look_of ? look_of(body, at->item) : 0);
-    if (look->texture_count) {
-      *room = *look, look = room;
-      dress(room, at->own, one ? &body->elements[at->item].primitive : NULL, 1, &relief);
-    }
+    if (!look->texture_count) return look;
+    *room = *look, look = room;
+    dress(room, at->own, one ? &body->elements[at->item].primitive : NULL, 1, &relief);
   }
-  if (!normal) return look;
-  *normal = at->normal;
-  if (v3_norm2(relief) == 0) return look;
+  if (!normal || v3_norm2(relief) == 0) return look;
   relief = skf_body_world(body, at->time, relief, false);
   relief = v3_mad(relief, -v3_dot(relief, at->normal), at->normal);
   *normal = v3_unit(v3_mad(at->normal, at->inside ? 1 : -1, relief));

@@ -66,11 +66,10 @@ static void smooth_light(const skf_picture *r, const float *from, int x, int y, 
   }
 }
 
-/* Beams from pixel x on, n of them. */
+/* Beams from pixel x on, n of them; light is not asked for along them. */
 static void set_out(const skf_picture *r, int x, int y, int n, skf_beam *beams) {
-  for (int i = 0; i < n; i++)
-    beams[i] =
-        (skf_beam){.time = 0.5, .share = skf_share_of(x + i, y), .weight = 1, .height = 1 - (y + 0.5) / r->s->height};
+  const skf_beam first = {.time = 0.5, .weight = 1, .height = 1 - (y + 0.5) / r->s->height};
+  for (int i = 0; i < n; i++) beams[i] = first;
   skf_view_row(&r->stage.view, r->s->width, r->s->height, x + 0.5, y + 0.5, n, beams);
 }
 

@@ -5,14 +5,6 @@
 
 static const double sky_above[3] = {0.26, 0.30, 0.38}, sky_below[3] = {0.10, 0.09, 0.08};
 
-skf_vec3 skf_light_direction(const skf_light *light, skf_vec3 at, double *distance) {
-  if (light->directional) return *distance = INFINITY, light->at;
-  skf_vec3 way = v3_sub(light->at, at);
-  *distance = v3_norm(way);
-  bool plain = *distance > 1e-100 && *distance < 1e100;
-  return plain ? v3_scale(1 / *distance, way) : v3_unit(way);
-}
-
 bool skf_light_is_hard(const skf_light *l) {
   if (l->directional) return l->radius < 0;
   return !(l->radius > 0) && v3_norm2(l->u) == 0 && v3_norm2(l->v) == 0;
@@ -86,20 +78,24 @@ void skf_shade_ground(const skf_stage *g, const skf_sight *at, const float *lit,
 
 void skf_shade(const skf_stage *g, const skf_look *look, const skf_sight *at, skf_vec3 normal, skf_vec3 eye,
                const float *lit, double rgb[3]) {
-  double sky[3], matt[3], gloss[3] = {0, 0, 0};
+  double sky[3], matt[3] = {0, 0, 0}, gloss[3] = {0, 0, 0};
+  bool glossy = look->specular[0] > 0 || look->specular[1] > 0 || look->specular[2] > 0;
+  bool through = g->bounces > 0; /* else nothing stands for what is behind it */
   skf_sky(&g->view, normal, sky);
-  for (int k = 0; k < 3; k++) matt[k] = look->color[k] * look->ambient * lit[0] * sky[k];
   for (size_t l = 0; l < g->light_count; l++) {
     double unused, light[3];
     skf_vec3 to = skf_light_direction(g->lights + l, at->at, &unused);
     double c = v3_dot(normal, to);
+    if (!(c > 0)) continue;
     for (int k = 0; k < 3; k++) light[k] = lit[1 + 3 * l + k] * g->lights[l].color[k];
-    if (!(c > 0) || !(light[0] + light[1] + light[2] > 0)) continue;
-    for (int k = 0; k < 3; k++) matt[k] += light[k] * c * look->diffuse * look->color[k];
-    add_gloss(look, normal, to, eye, light, gloss);
+    if (!(light[0] + light[1] + light[2] > 0)) continue;
+    for (int k = 0; k < 3; k++) matt[k] += light[k] * c;
+    if (glossy) add_gloss(look, normal, to, eye, light, gloss);
   }
-  bool through = g->bounces > 0; /* else nothing stands for what is behind it */
-  for (int k = 0; k < 3; k++) rgb[k] = (through ? 1 - look->transparency[k] : 1) * matt[k] + gloss[k];
+  for (int k = 0; k < 3; k++) {
+    double all = look->color[k] * (look->ambient * lit[0] * sky[k] + look->diffuse * matt[k]);
+    rgb[k] = (through ? 1 - look->transparency[k] : 1) * all + gloss[k];
+  }
 }
 
 double skf_fresnel(double cosine, double n, double *bent) {
