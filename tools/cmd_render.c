@@ -90,6 +90,7 @@ static int work(render_job *j) {
     status = cli_scene_at(cli_operand(j->c, 0), j->time, &j->scene);
   }
   if (!status) status = run_read(cli_value(j->c, "orbits"), cli_value(j->c, "contacts"), &j->run);
+  if (!status) status = run_bodies_read(cli_value(j->c, "bodies"), j->scene, &j->moved);
   if (!status) status = render_bodies(j);
   if (!status) status = render_camera(j);
   if (!status && (!render_is_plain(j) || j->scene->image_count)) status = picture_module(&j->plot);
@@ -105,6 +106,7 @@ static int run(cli *c) {
   int status = work(&j);
   render_release(&j);
   run_free(&j.run);
+  run_bodies_free(&j.moved);
   skf_scene_free(j.scene);
   return status;
 }
@@ -135,6 +137,7 @@ static const cli_option options[] = {
     {0, "ground", NULL, "a floor below the bodies that catches their shadows; in a film it stays where it is at first"},
     {0, "orbits", "RUN.csv", "draw the paths that simulate wrote"},
     {0, "contacts", "C.csv", "mark the contacts that simulate --contacts wrote"},
+    {0, "bodies", "FILE", "put the bodies where simulate --bodies wrote that they are at --time"},
 };
 
 const cli_command cmd_render = {
@@ -151,7 +154,7 @@ const cli_command cmd_render = {
         "hdr hold linear light, without paths. Ctrl-C ends with the picture as far as it is.\n"
         "A film runs from --time to --until: to the last key of `animate`, to the end of --orbits, whose particles "
         "then\n"
-        "are dots with trails, or else through one turn of the fastest spin.\n"
+        "are dots with trails, to that of --bodies, or else through one turn of the fastest spin.\n"
         "Example: skelfield render donut.yaml -o donut.png --orbits run.csv --azimuth 30\n",
     .run = run,
 };

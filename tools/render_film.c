@@ -32,6 +32,7 @@ static int find_end(render_job *j) {
   for (size_t i = 0; i < j->scene->body_count; i++) fastest = fmax(fastest, fabs(j->scene->bodies[i].spin.rate));
   for (size_t i = 0; i < j->run.particle_count; i++)
     if (j->run.particles[i].count) end = fmax(end, j->run.particles[i].states[j->run.particles[i].count - 1].t);
+  for (size_t i = 0; i < j->moved.count; i++) end = fmax(end, j->moved.bodies[i].poses[j->moved.bodies[i].count - 1].t);
   if (end > j->time)
     j->until = end;
   else if (fastest > 0) /* the turn's end is its start: one frame less */
@@ -43,7 +44,8 @@ static int find_end(render_job *j) {
     status = cli_fail(CLI_BAD, "--until %s: expected a time after --time", cli_value(j->c, "until"));
   if (!status && j->until == j->time && !cli_given(j->c, "turntable"))
     status =
-        cli_fail(CLI_BAD, "--frames %d: nothing moves, expected --turntable, a spin, `animate` or --orbits", j->frames);
+        cli_fail(CLI_BAD, "--frames %d: nothing moves, expected --turntable, a spin, `animate`, --orbits or --bodies",
+                 j->frames);
   return status;
 }
 

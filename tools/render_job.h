@@ -15,6 +15,7 @@ typedef struct render_job {
   const skf_plot *plot; /* NULL where nothing is drawn or read */
   const skf_picture_format *format;
   run_data run;
+  run_bodies_data moved;
   render_mode mode;
   int bits;    /* of a channel: 8 or 16 */
   double time; /* of the spins [T] */

@@ -86,7 +86,14 @@ static double extent(const skf_body *b) {
   return size > 0 ? size : 1;
 }
 
+/* A run's bodies are moved, without a trace of it while the shutter is open; the others turn by their spin. */
 static void turn_body(const render_job *j, const skf_body *b, skf_render_body *out) {
+  for (size_t i = 0; i < j->moved.count; i++) {
+    if (j->moved.bodies[i].body != (size_t)(b - j->scene->bodies)) continue;
+    run_place p = run_body_at(j->moved.bodies + i, j->time);
+    out->axis = p.axis, out->about = p.about, out->angle = p.angle, out->shift = p.shift, out->sweep = 0;
+    return;
+  }
   double shutter = j->scene->shutter;
   out->axis = b->spin.axis, out->about = b->spin.about;
   out->angle = b->spin.rate * (j->time - shutter / 2), out->sweep = b->spin.rate * shutter;
@@ -231,6 +238,19 @@ static size_t hull_points(const skf_offset *o, skf_vec3 *out) {
 
 static bool is_hull(const skf_offset *o) { return o->primitive.shape == SKF_SOLID || o->radius > 0; }
 
+/* Where a body's skeleton can be along its way. */
+static size_t places(const render_job *j, const run_body *b, skf_vec3 *out) {
+  double reach = 0.5 * extent(j->scene->bodies + b->body);
+  size_t n = 0;
+  for (size_t i = 0; i < b->count; i++)
+    for (int k = 0; k < 6; k++) {
+      skf_vec3 p = b->poses[i].x;
+      *v3_at(&p, k / 2) += k & 1 ? reach : -reach;
+      out[n++] = p;
+    }
+  return n;
+}
+
 /* A camera that frames the bodies and the paths. */
 static int automatic_camera(render_job *j, double fov) {
   double azimuth = -60 * (SKF_PI / 180), elevation = 28 * (SKF_PI / 180);
@@ -239,6 +259,7 @@ static int automatic_camera(render_job *j, double fov) {
   if (status) return status;
   size_t n = 0, bodies = j->scene->body_count;
   for (size_t i = 0; i < j->run.particle_count; i++) n += j->run.particles[i].count;
+  for (size_t i = 0; i < j->moved.count; i++) n += 6 * j->moved.bodies[i].count;
   for (size_t i = 0; i < bodies && j->mode == RENDER_OFFSET; i++) n += HULL_POINTS * j->scene->bodies[i].element_count;
   skf_vec3 *points = malloc((n + 1) * sizeof *points);
   const skf_field **fields = malloc((bodies + 1) * sizeof *fields);
@@ -248,6 +269,7 @@ static int automatic_camera(render_job *j, double fov) {
     n = 0;
     for (size_t i = 0; i < j->run.particle_count; i++)
       for (size_t k = 0; k < j->run.particles[i].count; k++) points[n++] = j->run.particles[i].states[k].x;
+    for (size_t i = 0; i < j->moved.count; i++) n += places(j, j->moved.bodies + i, points + n);
     for (size_t i = 0; i < bodies && j->mode == RENDER_OFFSET; i++)
       for (size_t k = 0; k < j->scene->bodies[i].element_count; k++)
         if (is_hull(j->items[i] + k)) n += hull_points(j->items[i] + k, points + n);

@@ -86,7 +86,8 @@ static void *room(void *items, size_t n, size_t size) {
   return realloc(items, (n ? 2 * n : 1) * size);
 }
 
-static int add_state(const table *t, run_data *run) {
+static int add_state(const table *t, void *to) {
+  run_data *run = to;
   run_state state;
   if (!state_of(t, 2, 5, &state)) return bad(t, "malformed, missing or non-finite number");
   size_t i = find(run, t->fields[1]);
@@ -106,7 +107,8 @@ static int add_state(const table *t, run_data *run) {
   return CLI_DONE;
 }
 
-static int add_contact(const table *t, run_data *run) {
+static int add_contact(const table *t, void *to) {
+  run_data *run = to;
   run_contact contact = {.particle = find(run, t->fields[1])};
   if (!state_of(t, 3, 9, &contact.state)) return bad(t, "malformed, missing or non-finite number");
   snprintf(contact.outcome, sizeof contact.outcome, "%.15s", t->fields[12]);
@@ -117,8 +119,8 @@ static int add_contact(const table *t, run_data *run) {
   return CLI_DONE;
 }
 
-static int read_table(const char *path, const char *header, int columns, int (*add)(const table *, run_data *),
-                      run_data *run) {
+/* add: takes a row. */
+static int read_table(const char *path, const char *header, int columns, int (*add)(const table *, void *), void *to) {
   FILE *f = fopen(path, "r");
   if (!f) return cli_fail(CLI_BAD, "%s: %s", path, strerror(errno));
   table t = {.path = path, .header = header};
@@ -130,7 +132,7 @@ static int read_table(const char *path, const char *header, int columns, int (*a
       snprintf(line + strlen(line), sizeof line - strlen(line), "%s%.30s", i ? "," : "", t.fields[i]);
     if (strcmp(line, header) != 0) status = bad(&t, "this is not its header");
   }
-  while (!status && got > 0 && (got = next_row(&t, f, columns)) > 0) status = add(&t, run);
+  while (!status && got > 0 && (got = next_row(&t, f, columns)) > 0) status = add(&t, to);
   free(t.line);
   fclose(f);
   return got < 0 ? CLI_BAD : status;
@@ -149,4 +151,49 @@ void run_free(run_data *run) {
   for (size_t i = 0; i < run->particle_count; i++) free(run->particles[i].states);
   free(run->particles), free(run->contacts);
   *run = (run_data){NULL, 0, NULL, 0};
+}
+
+typedef struct bodies_reader {
+  const skf_scene *scene;
+  run_bodies_data *run;
+} bodies_reader;
+
+static int add_pose(const table *t, void *to) {
+  const bodies_reader *r = to;
+  run_bodies_data *run = r->run;
+  double a[14];
+  if (!numbers(t, 0, 1, a) || !numbers(t, 2, 13, a + 1)) return bad(t, "malformed, missing or non-finite number");
+  run_pose p = {a[0], {a[1], a[2], a[3]}, {a[4], a[5], a[6], a[7]}, {a[8], a[9], a[10]}, {a[11], a[12], a[13]}};
+  double norm = sqrt(p.q[0] * p.q[0] + p.q[1] * p.q[1] + p.q[2] * p.q[2] + p.q[3] * p.q[3]);
+  if (!(fabs(norm - 1) < 1e-6)) return bad(t, "an attitude that is no unit quaternion");
+  size_t body = 0, i = 0;
+  while (body < r->scene->body_count && strcmp(r->scene->bodies[body].name, t->fields[1]) != 0) body++;
+  if (body == r->scene->body_count) return bad(t, "a body that the scene does not have");
+  while (i < run->count && run->bodies[i].body != body) i++;
+  if (i == run->count) {
+    run_body *more = room(run->bodies, i, sizeof *more);
+    if (!more) return cli_fail(CLI_FAILED, "%s: out of memory", t->path);
+    run->bodies = more, run->bodies[run->count++] = (run_body){.body = body};
+  }
+  run_body *b = run->bodies + i;
+  if (b->count && !(b->poses[b->count - 1].t < p.t)) return bad(t, "a time that is not after the body's last row");
+  run_pose *more = room(b->poses, b->count, sizeof *more);
+  if (!more) return cli_fail(CLI_FAILED, "%s: out of memory", t->path);
+  b->poses = more, b->poses[b->count++] = p;
+  return CLI_DONE;
+}
+
+int run_bodies_read(const char *path, const skf_scene *scene, run_bodies_data *out) {
+  *out = (run_bodies_data){NULL, 0};
+  if (!path) return CLI_DONE;
+  int status =
+      read_table(path, "t,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz", 15, add_pose, &(bodies_reader){scene, out});
+  if (status) run_bodies_free(out);
+  return status;
+}
+
+void run_bodies_free(run_bodies_data *run) {
+  for (size_t i = 0; i < run->count; i++) free(run->bodies[i].poses);
+  free(run->bodies);
+  *run = (run_bodies_data){NULL, 0};
 }

@@ -29,6 +29,38 @@ typedef struct run_data {
   size_t contact_count;
 } run_data;
 
+/* A body that moves: its center of mass, its attitude (a unit quaternion), and their rates. */
+typedef struct run_pose {
+  double t;
+  skf_vec3 x;
+  double q[4];
+  skf_vec3 v, w;
+} run_pose;
+
+typedef struct run_body {
+  size_t body; /* index in the scene */
+  run_pose *poses;
+  size_t count;
+} run_body;
+
+typedef struct run_bodies_data {
+  run_body *bodies;
+  size_t count;
+} run_bodies_data;
+
+/* Reads what simulate --bodies wrote, of the scene's bodies; NULL: nothing. */
+int run_bodies_read(const char *path, const skf_scene *scene, run_bodies_data *out);
+void run_bodies_free(run_bodies_data *run);
+
+/* Where a body is at time t, its first row being where the scene has it: turned about the axis through `about`, then
+   shifted. Between two rows: a cubic, or a straight line where the velocities do not fit, and an even turn; before the
+   first and after the last as they are. */
+typedef struct run_place {
+  skf_vec3 axis, about, shift;
+  double angle;
+} run_place;
+run_place run_body_at(const run_body *b, double t);
+
 /* Reads RUN.csv (columns t,particle,x,y,z,vx,vy,vz first, others after them are ignored) and, unless NULL, C.csv.
    CLI_DONE, or CLI_BAD or CLI_FAILED after the message. */
 int run_read(const char *path, const char *contacts, run_data *out);

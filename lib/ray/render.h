@@ -72,7 +72,7 @@ typedef struct skf_stage {
 } skf_stage;
 
 /* ---- render_sight.c ---- */
-bool skf_body_turns(const skf_render_body *b);
+bool skf_body_moves(const skf_render_body *b);
 /* In the body's own frame. */
 skf_ray skf_body_ray(const skf_render_body *b, const skf_beam *beam, double t_max);
 /* The first surface of one body beyond the ray's start, before best->t. */
@@ -139,9 +139,10 @@ bool skf_palette_weigh(const skf_palette *p, size_t n, const size_t *which, cons
 const skf_look *skf_palette_look(const skf_palette *p, const skf_render_body *body, const skf_sight *at,
                                  const double *weights, skf_look *room, skf_vec3 *normal);
 bool skf_look_is_clear(const skf_render_body *body);
-/* From the frame of the inertial world to the body's own, and back, at a time of the shutter. */
-skf_vec3 skf_body_own(const skf_render_body *b, double time, skf_vec3 v, bool place);
-skf_vec3 skf_body_world(const skf_render_body *b, double time, skf_vec3 v, bool place);
+/* A place and a direction from the inertial frame into the body's own at a time of the shutter, and a direction back.
+ */
+void skf_body_own(const skf_render_body *b, double time, skf_vec3 *place, skf_vec3 *direction);
+skf_vec3 skf_body_world(const skf_render_body *b, double time, skf_vec3 direction);
 
 /* ---- render_texture.c ---- */
 /* Smooth noise of period about 1, in [-1, 1], 0 on the lattice of integers [Perlin 1985]; g: its gradient, or NULL. */

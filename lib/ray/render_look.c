@@ -191,25 +191,37 @@ const skf_look *skf_palette_look(const skf_palette *p, const skf_render_body *bo
     dress(room, at->own, one ? &body->elements[at->item].primitive : NULL, 1, &relief);
   }
   if (!normal || v3_norm2(relief) == 0) return look;
-  relief = skf_body_world(body, at->time, relief, false);
+  relief = skf_body_world(body, at->time, relief);
   relief = v3_mad(relief, -v3_dot(relief, at->normal), at->normal);
   *normal = v3_unit(v3_mad(at->normal, at->inside ? 1 : -1, relief));
   return look;
 }
 
-static skf_vec3 turn(const skf_render_body *b, double angle, skf_vec3 v, bool place) {
-  skf_vec3 k = v3_unit(b->axis);
-  if (angle == 0 || v3_norm2(k) == 0) return v;
-  if (place) v = v3_sub(v, b->about);
-  double c = cos(angle), s = sin(angle);
-  v = v3_add(v3_mad(v3_scale(c, v), s, v3_cross(k, v)), v3_scale(v3_dot(k, v) * (1 - c), k)); /* Rodrigues */
-  return place ? v3_add(v, b->about) : v;
+/* A turn about a unit vector; the zero vector: none. */
+typedef struct turning {
+  skf_vec3 axis;
+  double cosine, sine;
+} turning;
+
+static turning turn_at(const skf_render_body *b, double time) {
+  double angle = b->angle + time * b->sweep;
+  if (angle == 0) return (turning){{0, 0, 0}, 1, 0};
+  return (turning){v3_unit(b->axis), cos(angle), sin(angle)};
 }
 
-skf_vec3 skf_body_own(const skf_render_body *b, double time, skf_vec3 v, bool place) {
-  return turn(b, -(b->angle + time * b->sweep), v, place);
+static skf_vec3 turn(const turning *t, double sine, skf_vec3 v) {
+  skf_vec3 k = t->axis, across = v3_mad(v3_scale(t->cosine, v), sine, v3_cross(k, v));
+  if (v3_norm2(k) == 0) return v;
+  return v3_mad(across, v3_dot(k, v) * (1 - t->cosine), k); /* Rodrigues */
 }
 
-skf_vec3 skf_body_world(const skf_render_body *b, double time, skf_vec3 v, bool place) {
-  return turn(b, b->angle + time * b->sweep, v, place);
+void skf_body_own(const skf_render_body *b, double time, skf_vec3 *place, skf_vec3 *direction) {
+  turning t = turn_at(b, time);
+  *place = v3_add(turn(&t, -t.sine, v3_sub(v3_sub(*place, b->shift), b->about)), b->about);
+  *direction = turn(&t, -t.sine, *direction);
+}
+
+skf_vec3 skf_body_world(const skf_render_body *b, double time, skf_vec3 direction) {
+  turning t = turn_at(b, time);
+  return turn(&t, t.sine, direction);
 }

@@ -114,6 +114,7 @@ typedef struct skf_render_body {
   /* Turned about an axis by `angle` when the shutter opens and by `sweep` more until it closes [rad]. */
   skf_vec3 axis, about;
   double angle, sweep;
+  skf_vec3 shift; /* and then moved [L] */
 } skf_render_body;
 
 typedef enum skf_render_quality {

@@ -103,4 +103,34 @@ expect "the first of them a JPEG" [ "${jpeg:0:8}${jpeg:16:4}" = 30306463ffd8 ]
 printf 't,particle,x,y,z,vx,vy,vz\n0,a,0,2,0,0,0,0\n2,a,0,-2,0,0,-4,0\n' >run.csv
 run render still.yaml -o fly.ppm --size 40x40 --frames 3 --orbits run.csv
 expect_status "a film of particles" 0
+
+# place FILE.pfm: the mean column, and row from below, of what is not background
+place() { numbers "$1" 10000 | awk '$2 < 0.9 { n++; x += (NR - 1) % 100; y += int((NR - 1) / 100) } END { print x / n, y / n }'; }
+moved() { # name, time, columns and rows that the ball has moved
+  run render still.yaml -o moved.pfm --size 100x100 --quality draft --bodies bodies.csv --time "$2"
+  expect_status "$1" 0
+  expect "$1: where it is" awk -v a="$(place still.pfm)" -v b="$(place moved.pfm)" -v x="$3" -v y="$4" \
+    'BEGIN { split(a, p); split(b, q); dx = q[1] - p[1] - x; dy = q[2] - p[2] - y; exit !(dx * dx + dy * dy < 0.01) }' </dev/null
+}
+header=t,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz
+run render still.yaml -o still.pfm --size 100x100 --quality draft
+printf '%s\n0,ball,1,2,3,1,0,0,0,0,0.25,0,0,0,0\n2,ball,1,2.5,3,1,0,0,0,0,0.25,0,0,0,0\n' $header >bodies.csv
+moved "a body that moves, half way" 1 12.5 0
+moved "at its end" 9 25 0
+printf '%s\n0,ball,0,0,0,1,0,0,0,0,0,0,0.7853981633974483,0,0\n2,ball,0,0,0,0.7071067811865476,0.7071067811865476,0,0,0,0,0,0.7853981633974483,0,0\n' $header >bodies.csv
+moved "a body that turns" 2 -25 -25
+moved "half way" 1 -17.6777 -7.3223
+printf '%s\n0,ball,0,0,0,1,0,0,0,0,0,0,3.9269908169872414,0,0\n2,ball,0,0,0,-0.7071067811865476,-0.7071067811865476,0,0,0,0,0,3.9269908169872414,0,0\n' $header >bodies.csv
+moved "that turns more than once, after a whole turn" 1.6 0 0
+run render still.yaml -o bodies.ppm --size 40x40 --frames 3 --quality draft --bodies bodies.csv
+expect_status "a film of bodies" 0
+cmp -s bodies-0001.ppm bodies-0002.ppm
+expect "which moves" [ $? -eq 1 ]
+printf '%s\n0,bell,0,0,0,1,0,0,0,0,0,0,0,0,0\n' $header >bodies.csv
+refused "rows of another scene" 'bodies.csv:2: a body that the scene does not have' render still.yaml -o a.png --bodies bodies.csv
+printf '%s\n0,ball,0,0,0,1,1,0,0,0,0,0,0,0,0\n' $header >bodies.csv
+refused "no attitude" 'bodies.csv:2: an attitude that is no unit quaternion' render still.yaml -o a.png --bodies bodies.csv
+printf '%s\n1,ball,0,0,0,1,0,0,0,0,0,0,0,0,0\n1,ball,0,0,0,1,0,0,0,0,0,0,0,0,0\n' $header >bodies.csv
+refused "a time twice" 'bodies.csv:3: a time that is not after' render still.yaml -o a.png --bodies bodies.csv
+refused "rows of particles" 'run.csv:1: this is not its header' render still.yaml -o a.png --bodies run.csv
 tap_done

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Where bodies are between the rows that a run has kept. */
+#include "run_csv.h"
+#include "core/vec3.h"
+#include <math.h>
+
+/* A rotation as a vector along its axis, as long as the angle. */
+static skf_vec3 turn_of(const double q[4]) {
+  skf_vec3 v = v3(q[1], q[2], q[3]);
+  double s = v3_norm(v), c = q[0] < 0 ? -q[0] : q[0];
+  if (!(s > 0)) return v3(0, 0, 0);
+  return v3_scale((q[0] < 0 ? -1 : 1) * 2 * atan2(s, c) / s, v);
+}
+
+static void quaternion(skf_vec3 turn, double q[4]) {
+  double angle = v3_norm(turn), s = angle > 0 ? sin(angle / 2) / angle : 0.5;
+  q[0] = cos(angle / 2), q[1] = s * turn.x, q[2] = s * turn.y, q[3] = s * turn.z;
+}
+
+static void multiply(const double a[4], const double b[4], double out[4]) {
+  out[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
+  out[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
+  out[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
+  out[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
+}
+
+/* From one attitude to the next, with as many whole turns as the angular velocities make likely. */
+static skf_vec3 turn_between(const run_pose *a, const run_pose *b) {
+  const double back[4] = {a->q[0], -a->q[1], -a->q[2], -a->q[3]};
+  double q[4];
+  multiply(b->q, back, q);
+  skf_vec3 least = turn_of(q), likely = v3_scale(0.5 * (b->t - a->t), v3_add(a->w, b->w));
+  double angle = v3_norm(least);
+  skf_vec3 axis = angle > 0 ? v3_scale(1 / angle, least) : v3_unit(likely);
+  double whole = round((v3_dot(likely, axis) - angle) / (2 * SKF_PI));
+  return v3_scale(angle + 2 * SKF_PI * whole, axis);
+}
+
+/* The cubic through both places with both velocities, where these explain the way; a hit between them does not. */
+static skf_vec3 way_between(const run_pose *a, const run_pose *b, double s) {
+  double h = b->t - a->t, r = 1 - s;
+  skf_vec3 way = v3_sub(b->x, a->x), off = v3_sub(way, v3_scale(h / 2, v3_add(a->v, b->v)));
+  if (v3_norm(off) > 0.35 * h * fmax(v3_norm(a->v), v3_norm(b->v))) return v3_mad(a->x, s, way);
+  skf_vec3 p = v3_mad(a->x, s * s * (3 - 2 * s), way);
+  return v3_mad(v3_mad(p, s * r * r * h, a->v), -s * s * r * h, b->v);
+}
+
+static void pose_at(const run_body *b, double t, skf_vec3 *x, double q[4]) {
+  size_t lo = 0, hi = b->count - 1;
+  while (lo + 1 < hi) {
+    size_t middle = (lo + hi) / 2;
+    *(b->poses[middle].t <= t ? &lo : &hi) = middle;
+  }
+  const run_pose *from = b->poses + lo, *to = b->poses + hi;
+  double h = to->t - from->t, s = h > 0 ? fmin(fmax((t - from->t) / h, 0), 1) : 0, by[4];
+  quaternion(v3_scale(s, turn_between(from, to)), by);
+  *x = way_between(from, to, s);
+  multiply(by, from->q, q);
+}
+
+run_place run_body_at(const run_body *b, double t) {
+  skf_vec3 x;
+  double q[4];
+  pose_at(b, t, &x, q);
+  skf_vec3 turn = turn_of(q);
+  return (run_place){.axis = turn, .about = b->poses[0].x, .shift = v3_sub(x, b->poses[0].x), .angle = v3_norm(turn)};
+}
