@@ -155,6 +155,8 @@ const cli_command cmd_render = {
         "A film runs from --time to --until: to the last key of `animate`, to the end of --orbits, whose particles "
         "then\n"
         "are dots with trails, to that of --bodies, or else through one turn of the fastest spin.\n"
-        "Example: skelfield render donut.yaml -o donut.png --orbits run.csv --azimuth 30\n",
+        "Example: skelfield render donut.yaml -o donut.png --orbits run.csv --azimuth 30\n"
+        "         skelfield simulate heap.yaml --bodies b.csv; skelfield render heap.yaml -o heap.avi --frames 120 "
+        "--bodies b.csv\n",
     .run = run,
 };
