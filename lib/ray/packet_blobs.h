@@ -20,16 +20,17 @@ SKF_INLINE void set_outcome(skf_outcome *o, int v, skf_vi hit, skf_vi clear, skf
   o->below |= (sure & ~up) << (SKF_LANES * v), o->above |= (sure & up) << (SKF_LANES * v);
 }
 
-SKF_INLINE void in_segments(skf_packet *p, const skf_leaf *leaf, const skf_ways *ways, unsigned lanes, skf_outcome *o) {
+SKF_INLINE void in_segments(skf_packet *p, const skf_leaf *leaf, skf_ways *ways, unsigned lanes, skf_outcome *o) {
   skf_course c;
   follow(p, leaf, ways, lanes, &c);
   for (int v = 0; v < VECTORS; v++) {
     set_outcome(o, v, c.hit[v], c.clear[v], c.side[v]);
     o->lo[v] = c.lo[v], o->hi[v] = c.hi[v], o->f[v] = c.f[v], o->u[v] = c.u[v];
+    ways->met[v] = (1u << leaf->count) - 1;
   }
 }
 
-SKF_INLINE void in_points(const int n, skf_packet *p, const skf_leaf *leaf, const skf_ways *ways, unsigned lanes,
+SKF_INLINE void in_points(const int n, skf_packet *p, const skf_leaf *leaf, skf_ways *ways, unsigned lanes,
                           skf_outcome *o) {
   skf_search s[VECTORS];
   search(n, p, leaf, ways, lanes, s);
@@ -42,7 +43,8 @@ SKF_INLINE void in_points(const int n, skf_packet *p, const skf_leaf *leaf, cons
 }
 
 /* Polishes hits; returns those that are finished. */
-SKF_INLINE unsigned finish_hits(skf_packet *p, const skf_leaf *leaf, const skf_vd *from, const skf_outcome *o) {
+SKF_INLINE unsigned finish_hits(skf_packet *p, const skf_leaf *leaf, const skf_ways *ways, const skf_vd *from,
+                                const skf_outcome *o) {
   unsigned finished = 0;
   for (int v = 0; v < VECTORS; v++) {
     unsigned mine = o->hit >> (SKF_LANES * v) & ((1u << SKF_LANES) - 1);
@@ -50,7 +52,7 @@ SKF_INLINE unsigned finish_hits(skf_packet *p, const skf_leaf *leaf, const skf_v
     skf_polished q;
     if (!mine) continue;
     skf_vi done =
-        polish(p, leaf, v, from[v] + o->lo[v], from[v] + o->hi[v], from[v] + o->u[v], lanes_on(o->hit, v), &q);
+        polish(p, leaf, ways, v, from[v] + o->lo[v], from[v] + o->hi[v], from[v] + o->u[v], lanes_on(o->hit, v), &q);
     mine &= (unsigned)vi_bits(done);
     vd_store(t, q.t), vd_store(f, o->f[v]);
     for (int i = 0; i < 3; i++) vd_store(at[i], q.at[i]), vd_store(normal[i], q.normal[i]);
@@ -66,11 +68,12 @@ SKF_INLINE unsigned finish_hits(skf_packet *p, const skf_leaf *leaf, const skf_v
   return finished;
 }
 
-static void take_hits(skf_packet *p, const skf_leaf *leaf, const skf_vd *from, const skf_outcome *c) {
+static void take_hits(skf_packet *p, const skf_leaf *leaf, const skf_ways *ways, const skf_vd *from,
+                      const skf_outcome *c) {
   enum { LANES = VECTORS * SKF_LANES };
   double t[LANES], u[LANES], lo[LANES], hi[LANES], f[LANES];
   unsigned hits = c->hit;
-  if (p->exact) hits &= ~finish_hits(p, leaf, from, c);
+  if (p->exact) hits &= ~finish_hits(p, leaf, ways, from, c);
   if (!hits) return;
   for (int v = 0; v < VECTORS; v++) {
     int at = SKF_LANES * v;
@@ -101,7 +104,7 @@ SKF_INLINE unsigned first_in_blobs(skf_packet *p, const skf_leaf *leaf, const sk
     in_points(4, p, leaf, &ways, left, &o);
   p->below = (p->below | o.below) & ~o.above, p->above = (p->above | o.above) & ~o.below;
   *hit = o.hit;
-  if (o.hit) take_hits(p, leaf, from, &o);
+  if (o.hit) take_hits(p, leaf, &ways, from, &o);
   for (int v = 0; v < VECTORS; v++) hi[v] = from[v] + (o.hit ? o.hi[v] : vd_set(0));
   return left & ~(o.hit | o.below | o.above);
 }

@@ -10,27 +10,50 @@ typedef struct skf_piece {
   skf_vd u, h, c[7];
 } skf_piece;
 
-/* Where the supports begin and end. */
-typedef struct skf_ends {
-  skf_vd in[SKF_LEAF_BLOBS], out[SKF_LEAF_BLOBS];
-} skf_ends;
+/* A blob that some lane meets: of those that do not, the strength is 0; where its support begins and ends. */
+typedef struct skf_support {
+  skf_vd m0, m1, m2, strength, in, out;
+  const skf_blob *blob;
+} skf_support;
 
-SKF_INLINE void find_ends(const skf_leaf *leaf, const skf_ways *ways, int v, skf_ends *e) {
-  skf_vd zero = vd_set(0), L = ways->length[v];
+typedef struct skf_supports {
+  uint32_t n;
+  skf_support of[SKF_LEAF_BLOBS];
+} skf_supports;
+
+/* From where on F may be iso: each of n blobs is below iso / n as long as the tangent to its m, where it begins, is. */
+SKF_INLINE skf_vd find_supports(const skf_leaf *leaf, skf_ways *ways, int v, skf_vi on, bool positive,
+                                skf_supports *out) {
+  skf_vd zero = vd_set(0), L = ways->length[v], never = vd_set(INFINITY), first = positive ? L : zero;
+  uint32_t n = 0;
+  ways->met[v] = 0;
   for (uint32_t i = 0; i < leaf->count; i++) {
+    const skf_blob *b = leaf->blobs + i;
     const skf_way *w = &ways->of[i][v];
-    skf_vd half_R2 = vd_set(leaf->blobs[i].half_R2), D = w->m1 * w->m1 + vd_set(4) * w->m2 * w->m0;
-    skf_vd s = vd_sqrt(vd_max(D, zero));
-    e->in[i] = vd_max((w->m1 - s) * half_R2, zero), e->out[i] = vd_min((w->m1 + s) * half_R2, L);
+    skf_support *s = out->of + n;
+    skf_vd half_R2 = vd_set(b->half_R2), D = w->m1 * w->m1 + vd_set(4) * w->m2 * w->m0;
+    skf_vd root = vd_sqrt(vd_max(D, zero)), in = vd_max((w->m1 - root) * half_R2, zero);
+    skf_vi met = (w->peak > zero) & on;
+    s->m0 = w->m0, s->m1 = w->m1, s->m2 = w->m2, s->blob = b;
+    s->strength = vd_select(met, vd_set(b->strength), zero);
+    s->in = vd_select(met, in, never), s->out = vd_select(met, vd_min((w->m1 + root) * half_R2, L), -never);
+    unsigned some = vi_any(met);
+    n += some, ways->met[v] |= some << i;
+    skf_vd quiet = vd_set(b->quiet), rise = quiet - vd_max(w->m0, zero), slope = vd_select(in > zero, root, w->m1);
+    skf_vd until = in + vd_select((rise > zero) & (slope > zero), rise / slope, zero);
+    first = vd_select(met & (w->peak > quiet), vd_min(first, until), first);
   }
+  out->n = n;
+  return first;
 }
 
 /* The next end of a support, but no more than `most` away. */
-SKF_INLINE skf_vd next_end(const skf_leaf *leaf, const skf_ends *e, skf_vd u, skf_vd most) {
+SKF_INLINE skf_vd next_end(const skf_supports *e, skf_vd u, skf_vd most) {
   skf_vd to = u + most;
-  for (uint32_t i = 0; i < leaf->count; i++) {
-    to = vd_select(e->in[i] > u, vd_min(to, e->in[i]), to);
-    to = vd_select(e->out[i] > u, vd_min(to, e->out[i]), to);
+  for (uint32_t i = 0; i < e->n; i++) {
+    const skf_support *s = e->of + i;
+    to = vd_select(s->in > u, vd_min(to, s->in), to);
+    to = vd_select(s->out > u, vd_min(to, s->out), to);
   }
   return to;
 }
@@ -52,20 +75,19 @@ SKF_INLINE void add_sextic(const skf_blob *b, skf_vd s, skf_vd q0, skf_vd q1, sk
   c[4] += (m4 * h0 + vd_set(8) * m3 * h1 + vd_set(6) * m2 * h2) * vd_set(1. / 15);
 }
 
-SKF_INLINE void expand(const int n, const skf_packet *p, const skf_leaf *leaf, const skf_ways *ways, const skf_ends *e,
-                       int v, skf_vd u, skf_vd to, skf_piece *out) {
+SKF_INLINE void expand(const int n, const skf_packet *p, const skf_supports *e, skf_vd u, skf_vd to, skf_piece *out) {
   skf_vd zero = vd_set(0), h = to - u, half = vd_set(0.5) * h, iso = vd_set(-p->tracer->iso);
   out->u = u, out->h = h;
   for (int k = 0; k <= n; k++) out->c[k] = iso;
-  for (uint32_t i = 0; i < leaf->count; i++) {
-    const skf_way *w = &ways->of[i][v];
+  for (uint32_t i = 0; i < e->n; i++) {
+    const skf_support *w = e->of + i;
     skf_vd m = w->m0 + u * (w->m1 - u * w->m2), q2 = w->m0 + to * (w->m1 - to * w->m2);
-    skf_vd q1 = m + half * (w->m1 - (u + u) * w->m2), s = vd_set(leaf->blobs[i].strength);
-    s = vd_select((e->in[i] <= u) & (e->out[i] >= to), s, zero);
+    skf_vd q1 = m + half * (w->m1 - (u + u) * w->m2);
+    skf_vd s = vd_select((w->in <= u) & (w->out >= to), w->strength, zero);
     if (n == 4)
       add_quartic(s, vd_max(m, zero), q1, vd_max(q2, zero), out->c);
     else
-      add_sextic(leaf->blobs + i, s, vd_max(m, zero), q1, vd_max(q2, zero), out->c);
+      add_sextic(w->blob, s, vd_max(m, zero), q1, vd_max(q2, zero), out->c);
   }
 }
 
@@ -136,16 +158,18 @@ SKF_INLINE skf_vd root(const int n, const skf_vd *c, skf_vi on) {
   return x;
 }
 
-SKF_INLINE void search(const int n, skf_packet *p, const skf_leaf *leaf, const skf_ways *ways, unsigned lanes,
+SKF_INLINE void search(const int n, skf_packet *p, const skf_leaf *leaf, skf_ways *ways, unsigned lanes,
                        skf_search *s) {
   enum { STEPS = 40 };
-  skf_ends ends[VECTORS];
+  skf_supports supports[VECTORS];
+  skf_vd zero = vd_set(0);
   unsigned busy = lanes;
   for (int v = 0; v < VECTORS; v++) {
-    find_ends(leaf, ways, v, ends + v);
     skf_search *t = s + v;
-    t->u = vd_set(0), t->most = ways->length[v], t->side = sides_of(p, v);
     t->on = lanes_on(lanes, v), t->hit = t->clear = vi_set(0);
+    t->u = find_supports(leaf, ways, v, t->on, p->tracer->iso > 0, supports + v);
+    t->most = ways->length[v], t->side = sides_of(p, v);
+    t->side = vd_select((t->side == zero) & (t->u > zero), vd_set(-1), t->side);
     t->found.u = t->found.h = vd_set(0);
     for (int k = 0; k <= n; k++) t->found.c[k] = vd_set(0);
   }
@@ -156,8 +180,8 @@ SKF_INLINE void search(const int n, skf_packet *p, const skf_leaf *leaf, const s
       skf_search *t = s + v;
       skf_piece q;
       if (!vi_any(t->on)) continue;
-      skf_vd to = next_end(leaf, ends + v, t->u, vd_min(t->most, ways->length[v] - t->u));
-      expand(n, p, leaf, ways, ends + v, v, t->u, to, &q);
+      skf_vd to = next_end(supports + v, t->u, vd_min(t->most, ways->length[v] - t->u));
+      expand(n, p, supports + v, t->u, to, &q);
       judge(n, &q, ways->length[v], ways->noise[v], i == 0, t);
       busy |= (unsigned)vi_bits(t->on) << (SKF_LANES * v);
     }

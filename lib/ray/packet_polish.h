@@ -33,20 +33,23 @@ SKF_INLINE void add_segment(const skf_blob *b, skf_vd x, skf_vd y, skf_vd z, skf
   s->gx += k * x + ends * ax, s->gy += k * y + ends * ay, s->gz += k * z + ends * az;
 }
 
-SKF_INLINE skf_view view_at(const skf_packet *p, const skf_leaf *leaf, int v, skf_vd t) {
+SKF_INLINE skf_view view_at(const skf_packet *p, const skf_leaf *leaf, const skf_ways *ways, int v, skf_vd t) {
   int at = SKF_LANES * v;
   skf_vd zero = vd_set(0), one = vd_set(1), two = vd_set(2), three = vd_set(3);
   skf_view s = {.F = zero, .size = zero, .gx = zero, .gy = zero, .gz = zero};
   s.x = vd_load(p->o[0] + at) + t * vd_load(p->d[0] + at), s.y = vd_load(p->o[1] + at) + t * vd_load(p->d[1] + at);
   s.z = vd_load(p->o[2] + at) + t * vd_load(p->d[2] + at);
-  for (uint32_t i = 0; i < leaf->count; i++) {
+  for (unsigned left = ways->met[v]; left; left &= left - 1) {
+    int i = __builtin_ctz(left);
     const skf_blob *b = leaf->blobs + i;
     skf_vd x = s.x - vd_set(b->at.x), y = s.y - vd_set(b->at.y), z = s.z - vd_set(b->at.z);
     if (b->length > 0) {
       add_segment(b, x, y, z, &s);
       continue;
     }
-    skf_vd m = vd_max(one - (x * x + y * y + z * z) * vd_set(b->per), zero), sm = vd_set(b->strength) * m, k, value;
+    skf_vd m = vd_max(one - (x * x + y * y + z * z) * vd_set(b->per), zero), k, value;
+    m = vd_select(ways->of[i][v].peak > zero, m, zero);
+    skf_vd sm = vd_set(b->strength) * m;
     if (leaf->soft) {
       skf_vd c2 = vd_set(b->c2), c3m = vd_set(b->c3) * m;
       value = sm * m * (c2 + c3m), k = vd_set(-2 * b->per) * sm * (two * c2 + three * c3m);
@@ -64,10 +67,10 @@ typedef struct skf_polished {
   skf_vi done;
 } skf_polished;
 
-SKF_INLINE skf_vi polish_step(const skf_packet *p, const skf_leaf *leaf, int v, skf_vd lo, skf_vd hi, skf_vi on,
-                              skf_vd *t, skf_polished *out) {
+SKF_INLINE skf_vi polish_step(const skf_packet *p, const skf_leaf *leaf, const skf_ways *ways, int v, skf_vd lo,
+                              skf_vd hi, skf_vi on, skf_vd *t, skf_polished *out) {
   int at = SKF_LANES * v;
-  skf_view s = view_at(p, leaf, v, *t);
+  skf_view s = view_at(p, leaf, ways, v, *t);
   skf_vd dx = vd_load(p->d[0] + at), dy = vd_load(p->d[1] + at), dz = vd_load(p->d[2] + at);
   skf_vd iso = vd_set(p->tracer->iso), f = s.F - iso, size = s.size + vd_abs(iso), eps = vd_set(DBL_EPSILON);
   skf_vd newton = f / (s.gx * dx + s.gy * dy + s.gz * dz), next = *t - newton;
@@ -91,14 +94,14 @@ SKF_INLINE skf_vi polish_step(const skf_packet *p, const skf_leaf *leaf, int v, 
 }
 
 /* Those that come to an end in a few steps. */
-SKF_INLINE skf_vi polish(skf_packet *p, const skf_leaf *leaf, int v, skf_vd lo, skf_vd hi, skf_vd t, skf_vi on,
-                         skf_polished *out) {
+SKF_INLINE skf_vi polish(skf_packet *p, const skf_leaf *leaf, const skf_ways *ways, int v, skf_vd lo, skf_vd hi,
+                         skf_vd t, skf_vi on, skf_polished *out) {
   enum { STEPS = 4 };
   skf_vd zero = vd_set(0);
   *out = (skf_polished){.t = zero, .at = {zero, zero, zero}, .normal = {zero, zero, zero}, .done = vi_set(0)};
   for (int i = 0; i < STEPS && vi_any(on); i++) {
     p->looks += (size_t)__builtin_popcount((unsigned)vi_bits(on));
-    on = polish_step(p, leaf, v, lo, hi, on, &t, out);
+    on = polish_step(p, leaf, ways, v, lo, hi, on, &t, out);
   }
   return out->done;
 }

@@ -9,10 +9,12 @@
 /* At u along the rays m = m0 + u (m1 - m2 u), of a segment beside its line; x = x0 + u x1 along it in units of R. */
 typedef struct skf_way {
   skf_vd m0, m1, m2, x0, x1;
+  skf_vd peak; /* of a point: the largest m on the way; 0: it is not met */
 } skf_way;
 
 typedef struct skf_ways {
   skf_way of[SKF_LEAF_BLOBS][VECTORS];
+  unsigned met[VECTORS];                  /* a bit for each blob without which no lane is another */
   skf_vd length[VECTORS], noise[VECTORS]; /* noise: twice what rounding can make of f */
 } skf_ways;
 
@@ -28,6 +30,7 @@ SKF_INLINE skf_vd see_point(const skf_blob *b, skf_vd x, skf_vd y, skf_vd z, skf
          m1 = vd_set(-2 * b->per) * back;
   out->m0 = m0, out->m1 = m1, out->m2 = per;
   skf_vd u = clamped(-back, zero, L), m = vd_max(m0 + u * (m1 - u * per), zero), s = vd_set(b->strength) * m * m;
+  out->peak = m;
   return b->c3 > 0 ? s * (vd_set(b->c2) + vd_set(b->c3) * m) : s;
 }
 
