@@ -2,6 +2,7 @@
 /* Queries: what is met on a ray, polished and handed out. */
 #include "core/vec3.h"
 #include "ray/ask.h"
+#include <omp.h>
 
 static skf_status end(const skf_question *q, skf_status s, skf_ray_report *report) {
   if (report) skf_report_add(report, &q->report);
@@ -163,12 +164,20 @@ static skf_status answer_share(skf_question *q, size_t n, const skf_ray *rays, s
   return status;
 }
 
+/* So many shares at a time for a thread: results of several are not written to the same pages in turns, and none waits
+   for another's last ones. */
+static int chunk_of(size_t n) {
+  enum { LARGE = 16, PER_THREAD = 32 };
+  size_t chunk = n / SHARE / PER_THREAD / (size_t)omp_get_max_threads();
+  return chunk < 1 ? 1 : chunk < LARGE ? (int)chunk : LARGE;
+}
+
 static skf_status answer_all(const skf_question *kind, size_t n, const skf_ray *rays, skf_hit *hits, bool *found,
                              skf_ray_report *report) {
   size_t cells = 0, subdivisions = 0, evaluations = 0, grazing = 0;
-  int worst = SKF_OK;
-#pragma omp parallel for schedule(dynamic) if (n > 2 * SHARE) reduction(+ : cells, subdivisions, evaluations, grazing) \
-    reduction(max : worst)
+  int worst = SKF_OK, chunk = chunk_of(n);
+#pragma omp parallel for schedule(dynamic, chunk) if (n > 2 * SHARE) \
+    reduction(+ : cells, subdivisions, evaluations, grazing) reduction(max : worst)
   for (size_t from = 0; from < n; from += SHARE) {
     skf_question q = *kind;
     size_t m = n - from < SHARE ? n - from : SHARE;
