@@ -3,7 +3,8 @@
    over a ball around it excludes the iso value, or when F along the path, |F - F_m - F'_m ds| <= B ds^2 / 2 about its
    middle, cannot reach it; it holds at most one crossing when |F'_m| > B ds throughout. Everything else is halved, down
    to pieces on which F changes by no more than its rounding error: those stay in doubt. A contact is where the path is
-   inside beyond doubt, and before that was outside or in doubt since it was. */
+   inside beyond doubt, and before that was outside or in doubt since it was. The fast search is the same down to
+   eighths of a step, which it samples. */
 #include "motion/contact.h"
 #include "motion/view.h"
 #include <float.h>
@@ -11,6 +12,8 @@
 
 /* Halvings never go further: by then a piece is as short as the rounding of s. */
 #define DEPTH 60
+/* Nor those of the fast search. */
+#define EIGHTHS 3
 /* Pieces of one step in doubt before a path that runs along a surface, as a circular orbit of just its radius does, is
    believed to go on like that: it would take some 1e8 of them. */
 #define PATIENCE 1000
@@ -22,6 +25,7 @@ typedef struct hunt {
   int side;     /* where the path was last beyond doubt: 1 inside, -1 outside, 0 not known */
   bool doubt;   /* it is in doubt now, */
   double since; /* from here on */
+  bool fast;
   skf_search_report *report;
 } hunt;
 
@@ -79,6 +83,7 @@ static bool search(hunt *v, double a, double b, int depth, double *s) {
     if (v->side < 0 && end > m.rough) return *s = entry(v, a, b), true;
     return weigh(v, end, m.rough, a), false;
   }
+  if (v->fast && depth == 0) return v->doubt = false, skf_view_sample(&v->view, a, b, 1, &v->side, s);
   bool floor = depth == 0 || (!enough && fabs(m.slope) * half + 0.5 * m.second * half * half <= m.rough);
   if (v->report->grazing > PATIENCE && !enough && fabs(m.f) + fabs(m.slope) * half <= m.rough) floor = true;
   if (floor) return doubt(v, a), v->report->grazing++, false;
@@ -100,12 +105,13 @@ skf_touch skf_contact_find(const skf_world *world, const skf_hunt *how, skf_sear
   for (size_t i = 0; i < world->n; i++) {
     if (!world->bodies[i].surface) continue;
     int born = how->born == i ? how->side : 0;
-    hunt v = {skf_view_of(world, i, how->path), how->from, born, born != 0, how->from, report};
+    hunt v = {skf_view_of(world, i, how->path), how->from, born, born != 0, how->from, how->fast, report};
     report->bounds++;
-    if (!how->fast && passes(&v.view, reach)) continue;
+    bool blind = how->fast && !world->bodies[i].bounds;
+    if (!blind && passes(&v.view, reach)) continue;
     double s;
-    bool found =
-        how->fast ? skf_view_sample(&v.view, how->from, first.s, born, &s) : search(&v, how->from, first.s, DEPTH, &s);
+    bool found = blind ? skf_view_sample(&v.view, how->from, first.s, 1 << EIGHTHS, &v.side, &s)
+                       : search(&v, how->from, first.s, how->fast ? EIGHTHS : DEPTH, &s);
     if (found && (!first.found || s < first.s)) first = (skf_touch){true, i, s};
     if (first.found && first.s == how->from) break;
   }

@@ -90,10 +90,11 @@ skf_status skf_flight_new(const skf_world *world, const skf_flight_options *opti
   if (!ops || !sound(&o, ops->info.adaptive)) return SKF_ERR_ARG;
   if (world->force_count && ops->takes == SKF_TAKES_NONE) return SKF_ERR_UNSUPPORTED;
   if (world->dragged && ops->takes != SKF_TAKES_DRAG) return SKF_ERR_UNSUPPORTED;
-  bool certified = o.approach || (o.contact != SKF_CONTACT_NONE && o.search == SKF_SEARCH_CERTIFIED);
+  bool looks = o.approach || o.contact != SKF_CONTACT_NONE,
+       certified = looks && (o.approach || o.search != SKF_SEARCH_FAST);
   if (certified && !skf_world_has_bound(world)) return SKF_ERR_UNSUPPORTED;
   if (!isfinite(start->t) || !v3_finite(start->position) || !v3_finite(start->velocity)) return SKF_ERR_RANGE;
-  skf_status sent = certified ? skf_scout_send(world) : SKF_OK;
+  skf_status sent = looks ? skf_scout_send(world) : SKF_OK;
   if (sent) return sent;
   skf_flight *f = skf_alloc(1, sizeof *f);
   if (f) f->work = skf_alloc(1, ops->work_size);

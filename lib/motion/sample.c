@@ -2,8 +2,6 @@
 /* Contacts by samples of F and its slope along a path: quick where fields are dear, but blind to what is thin. */
 #include "motion/view.h"
 
-enum { SAMPLES = 8 }; /* pieces of a step */
-
 /* Where the cubic through values and slopes of two places peaks between them; NAN where it does not. */
 static double peak(const skf_sight *a, const skf_sight *b) {
   double L = b->s - a->s, p = L * a->slope, q = L * b->slope, d = b->f - a->f;
@@ -28,15 +26,13 @@ static bool between(const skf_view *v, const skf_sight *a, const skf_sight *b, d
   return true;
 }
 
-bool skf_view_sample(const skf_view *v, double a, double b, int born, double *s) {
-  skf_glance all = skf_view_place(v, 0.5 * (a + b), 0.5 * (b - a));
-  if (skf_view_beyond_wall(v, &all)) return false;
+bool skf_view_sample(const skf_view *v, double a, double b, int pieces, int *side, double *s) {
   skf_sight last = skf_view_at(v, a);
-  bool inside = born ? born > 0 : last.f > last.rough;
-  for (int i = 1; i <= SAMPLES; i++) {
-    skf_sight next = skf_view_at(v, i < SAMPLES ? a + (b - a) / SAMPLES * i : b);
-    if (!inside && between(v, &last, &next, s)) return true;
-    if (fabs(next.f) > next.rough) inside = next.f > 0;
+  if (*side == 0) *side = last.f > last.rough ? 1 : -1;
+  for (int i = 1; i <= pieces; i++) {
+    skf_sight next = skf_view_at(v, i < pieces ? a + (b - a) / pieces * i : b);
+    if (*side < 0 && between(v, &last, &next, s)) return true;
+    if (fabs(next.f) > next.rough) *side = next.f > 0 ? 1 : -1;
     last = next;
   }
   return false;

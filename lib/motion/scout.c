@@ -28,7 +28,7 @@ void skf_scout_free(skf_scout *s) {
 }
 
 static skf_status make(const skf_world_body *b, skf_tracer **out) {
-  if (!b->surface || !skf_field_has_bound(b->is.field, NULL)) return SKF_OK;
+  if (!b->surface || !b->bounds) return SKF_OK;
   skf_status s = skf_tracer_new(b->is.field, b->is.iso, out);
   if (s || (*out)->tree) return s;
   skf_tracer_free(*out); /* nothing that its bounds could tell beforehand */

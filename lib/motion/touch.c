@@ -31,7 +31,7 @@ skf_status skf_world_touch(const skf_world *w, const skf_ballistic *m, double t0
   if (!v3_finite(m->position) || !v3_finite(m->velocity) || !v3_finite(m->acceleration)) return SKF_ERR_RANGE;
   if ((unsigned)how > SKF_SEARCH_FAST) return SKF_ERR_ARG;
   if (how == SKF_SEARCH_CERTIFIED && !skf_world_has_bound(w)) return SKF_ERR_UNSUPPORTED;
-  skf_status s = how == SKF_SEARCH_CERTIFIED ? skf_scout_send(w) : SKF_OK;
+  skf_status s = skf_scout_send(w);
   if (s) return s;
   double origin = fmin(m->t, t0); /* the same for all t0 after the motion's own time */
   skf_path p = parabola(m, origin, t1 > origin ? t1 - origin : 1);

@@ -30,9 +30,9 @@ skf_sight skf_view_at(const skf_view *v, double s);
    narrow as s allows. */
 double skf_view_polish(const skf_view *v, double a, double b);
 
-/* The first entry in [a, b] that samples show; `born`: a is on the surface, and was outside (-1) or inside (1)
-   before; or 0. */
-bool skf_view_sample(const skf_view *v, double a, double b, int born, double *s);
+/* The first entry in [a, b] that samples at the ends of so many pieces show. *side is where the path was last beyond
+   doubt, outside (-1), inside (1) or not known (0), and is kept up to date. */
+bool skf_view_sample(const skf_view *v, double a, double b, int pieces, int *side, double *s);
 
 /* The place of largest F - iso in [a, b], certified: nowhere it is larger by more than rounding; nothing happens unless
    it is larger than best->f. */

@@ -45,6 +45,7 @@ static void find_wall(skf_world_body *b) {
   skf_box box;
   skf_status s = skf_field_region(b->is.field, b->is.iso, &box);
   b->surface = s != SKF_ERR_EMPTY;
+  b->bounds = skf_field_has_bound(b->is.field, NULL);
   b->walled = s == SKF_OK;
   if (!b->walled) return;
   b->wall_center = box_center(box);
@@ -98,7 +99,7 @@ size_t skf_world_size(const skf_world *w) { return w->n; }
 
 bool skf_world_has_bound(const skf_world *w) {
   size_t i = 0;
-  while (i < w->n && skf_field_has_bound(w->bodies[i].is.field, NULL)) i++;
+  while (i < w->n && w->bodies[i].bounds) i++;
   return i == w->n;
 }
 

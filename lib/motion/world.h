@@ -16,6 +16,7 @@ typedef struct skf_world_body {
   double grain;         /* shortest support of its kernels, INFINITY when none has one */
   double reach;         /* no force beyond this distance from center; INFINITY when none is bounded */
   bool surface;         /* it has a surface that can be touched */
+  bool bounds;          /* its field has bounds (skf_field_has_bound) */
   bool walled;          /* the surface lies in a known ball: */
   skf_vec3 wall_center; /* body frame */
   double wall_radius;

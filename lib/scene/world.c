@@ -94,7 +94,7 @@ static const skf_key simulation_keys[] = {
      .offset = offsetof(skf_simulation, friction), .range = &skf_not_negative},
     {"rolling", "L", "of bodies that move: torque against rolling and turning, over the normal force (default: 0)",
      SKF_KEY_NUMBER, false, .offset = offsetof(skf_simulation, rolling), .range = &skf_not_negative},
-    {"search", NULL, "for contacts: misses none, or samples each step (default: certified)", SKF_KEY_OTHER,
+    {"search", NULL, "for contacts: misses none, or stops at eighths of a step (default: certified)", SKF_KEY_OTHER,
      .read = read_search, .form = "certified or fast"},
     {"step", "T", "of integrators with a fixed step, which know no tolerance", SKF_KEY_NUMBER, false,
      .offset = offsetof(skf_simulation, step), .range = &skf_positive},

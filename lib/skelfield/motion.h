@@ -33,9 +33,11 @@ typedef enum skf_search {
      and halved where they do not. What touches a surface too closely to decide is counted as `grazing`. Needs bounds
      (skf_field_has_bound). */
   SKF_SEARCH_CERTIFIED,
-  /* F and its slope at nine places of each step, and where a cubic between two of them peaks. Finds what stays inside
-     for an eighth of a step; promises nothing for what is thinner, such as spikes. A contact that it finds is as exact
-     as a certified one. Needs no bounds. */
+  /* The same down to eighths of a step, which are then decided by F and its slope at their ends and where a cubic
+     through those peaks. Finds what stays inside for an eighth of a step; promises nothing for what is thinner, such as
+     spikes. A contact that it finds is as exact as a certified one. At most 15 pieces a step: cheaper than certified
+     where paths run close to surfaces that turn or are thin, else as dear (tests/bench/bench_contact.c: 1.0 to 1.2
+     times the flight without contact, certified 1.1). Fields without bounds are sampled at nine places of each step. */
   SKF_SEARCH_FAST
 } skf_search;
 

@@ -174,6 +174,24 @@ static void nothing_is_missed(void **state) {
   skf_field_free(f[0]), skf_field_free(f[1]);
 }
 
+/* Along a surface, all the way within rounding of it, beside one that turns: the fast search does no more than its
+   share of each step. */
+static void the_fast_search_is_bounded(void **state) {
+  (void)state;
+  skf_element e = point_at(0, 0, 0, newton);
+  for (int spins = 0; spins < 2; spins++) {
+    skf_field *field;
+    skf_world *w = single(&e, 1, 1, 1, spins ? (skf_spin){{1, 0, 0}, {0, 0, 1e-9}, 1} : still, &field);
+    skf_flight_options o = {.contact = SKF_CONTACT_PASS, .search = SKF_SEARCH_FAST};
+    skf_flight *f = fly(w, o, (skf_state){0, {1, 0, 0}, {0, 1 + 1e-12, 0}});
+    check_close(v3_norm(state_at(f, 20, NULL, NULL).position), 1, 1e-8);
+    skf_flight_report r = skf_flight_get_report(f);
+    assert_true(r.bounds <= 16 * (r.steps + r.contacts));
+    skf_flight_free(f);
+    drop(w, field);
+  }
+}
+
 /* Past a sphere on a straight line, around it on an ellipse, and past a cross, where no sample beats it. */
 static void closest_approaches(void **state) {
   (void)state;
@@ -325,6 +343,7 @@ int main(void) {
       cmocka_unit_test(pieces_of_a_motion_agree),
       cmocka_unit_test(scales_do_not_matter),
       cmocka_unit_test(nothing_is_missed),
+      cmocka_unit_test(the_fast_search_is_bounded),
       cmocka_unit_test(closest_approaches),
       cmocka_unit_test(bounces_lose_what_they_should),
       cmocka_unit_test(slides_end_where_they_should),
