@@ -118,7 +118,8 @@ static int read_head(checkpoint *c, summed *f, head *h) {
   if (strcmp(h->version, skf_version()) != 0)
     return foreign(c, "a checkpoint of another version of skelfield", skf_version());
   if (h->identity != c->identity)
-    return foreign(c, "a checkpoint of another scene", "the scene that it was written for, unchanged");
+    return foreign(c, "a checkpoint of another scene",
+                   "the scene that it was written for, unchanged, and --approach as then");
   return CLI_DONE;
 }
 

@@ -25,6 +25,7 @@ static int run(cli *c) {
 static const cli_option options[] = {
     {'o', "output", "FILE", "the trajectory, .csv or .h5 (default: CSV on stdout)"},
     {'c', "contacts", "FILE", "the contact log, CSV"},
+    {'a', "approach", "FILE", "where each particle came closest to each body, CSV"},
     {'g', "ground-track", "BODY", "add lat, lon [deg] and height over this body's ellipsoid, in its turning frame"},
     {'i', "invariants", NULL, "add energy, Jacobi constant and angular momentum of each particle to each row"},
     {'f', "frame", "FRAME", "of rows and contacts: inertial, or body, which turns (default: the scene's, inertial)"},
@@ -72,6 +73,10 @@ const cli_command cmd_simulate = {
     "     absorb  is gone: no rows at or after that time (HDF5: NaN)\n"
     "     pass    flies through, told at each entry\n"
     "     A particle that starts inside of a body flies freely until it leaves it.\n"
+    "approach: particle,body,t,x,y,z,distance,level: up to the first contact, the place of largest level = F - iso (0\n"
+    "     at a contact; any place inside), and the surface's distance from there to first order (0 inside); "
+    "certified.\n"
+    "     Not for particles with a mass. In the frame of the rows\n"
     "contact map: contacts with one body, bounces and passes too, by latitude and longitude in its own frame, spin\n"
     "     taken out: geodetic on its ellipsoid, or else those of the direction from a centre: poles on the axis of\n"
     "     spin (or along z), centre at the middle of the skeleton (there on the axis). A donut or a star has several\n"

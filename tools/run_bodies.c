@@ -40,7 +40,7 @@ static int check(const cli *c, const skf_scene *scene) {
   for (size_t i = 0; i < sizeof maps / sizeof *maps; i++)
     if (cli_given(c, maps[i])) return cli_fail(CLI_BAD, "%s: bodies move, expected no --%s", path, maps[i]);
   if (cli_given(c, "output") || cli_given(c, "ground-track") || cli_given(c, "json") || cli_given(c, "invariants") ||
-      cli_given(c, "frame"))
+      cli_given(c, "frame") || cli_given(c, "approach"))
     return cli_fail(CLI_BAD, "%s: bodies that move, expected --bodies and --contacts alone", path);
   for (size_t i = 0; i < scene->force_count; i++)
     if (scene->forces[i].type != SKF_FORCE_PUSH)

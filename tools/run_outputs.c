@@ -60,7 +60,8 @@ int run_outputs_new(run_outputs *o, const cli *c, const skf_scene *scene, const 
   int status = choose_frame(o);
   if (!status) status = choose_track(o);
   if (!status) status = choose_invariants(o);
-  return status ? status : contact_map_new(&o->map, c, scene, world);
+  if (!status) status = contact_map_new(&o->map, c, scene, world);
+  return status ? status : run_approaches_new(&o->near, c, scene, world);
 }
 
 int run_outputs_open(run_outputs *o) {
@@ -72,6 +73,7 @@ int run_outputs_open(run_outputs *o) {
   o->log = contacts != NULL;
   if (o->log) contact_header(o->contacts.file);
   status = contact_map_open(&o->map);
+  if (!status) status = run_approaches_open(&o->near);
   return status ? status : o->writer->open(&o->trajectory, path, &o->table);
 }
 
@@ -125,12 +127,14 @@ int run_outputs_close(run_outputs *o, bool keep) {
   if (o->log && !keep) cli_out_abort(&o->contacts);
   o->trajectory = NULL, o->log = false;
   int map = contact_map_close(&o->map, keep && log == CLI_DONE);
-  return status ? status : log ? log : map;
+  int near = run_approaches_close(&o->near, o->seen ? o->frame : SIZE_MAX, keep && log == CLI_DONE && map == CLI_DONE);
+  return status ? status : log ? log : map ? map : near;
 }
 
 void run_outputs_free(run_outputs *o) {
   run_outputs_close(o, false);
   contact_map_free(&o->map);
+  run_approaches_free(&o->near);
   skf_geo_free(o->geo);
   free(o->places);
   free(o->quantities);

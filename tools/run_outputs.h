@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a run of particles writes: rows, the contact log, a contact map; and what it counts meanwhile. */
+/* What a run of particles writes: rows, the contact log, a contact map, approaches; and what it counts meanwhile. */
 #ifndef SKF_TOOLS_RUN_OUTPUTS_H
 #define SKF_TOOLS_RUN_OUTPUTS_H
 
 #include "contact_map.h"
+#include "run_approaches.h"
 #include "run_summary.h"
 #include "trajectory.h"
 
@@ -22,7 +23,8 @@ typedef struct run_outputs {
   cli_out contacts;
   bool log;
   contact_map map; /* where they lie on a body */
-  int status;      /* of what has been written */
+  run_approaches near;
+  int status; /* of what has been written */
   run_summary sum;
 } run_outputs;
 

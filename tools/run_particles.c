@@ -79,13 +79,14 @@ static int weigh(particles *s) {
 
 /* What all processes must have alike, and a run that goes on with the one that was saved. */
 static uint64_t identity(const particles *s) {
-  return checkpoint_identity(s->scene, s->scene_path, s->world, s->starts);
+  uint64_t scene = checkpoint_identity(s->scene, s->scene_path, s->world, s->starts);
+  return s->out.near.path ? ~scene : scene; /* approaches are part of what is kept */
 }
 
 static int keep_checkpoints(particles *s) {
-  static const char *const outputs[] = {"output", "contacts", "contact-map", "contact-bins"};
+  static const char *const outputs[] = {"output", "contacts", "contact-map", "contact-bins", "approach"};
   s->keep = (checkpoint){.kind = &checkpoint_of_runner, .crew = s->crew, .particles = s->scene->particle_count};
-  int status = checkpoint_options(&s->keep, s->c, outputs, 4);
+  int status = checkpoint_options(&s->keep, s->c, outputs, 5);
   if (s->keep.path) s->keep.identity = identity(s);
   return status;
 }
@@ -180,8 +181,8 @@ static int fly(particles *s) {
                  s->starts,
                  sim->t_end,
                  sim->output_every,
-                 {sim->integrator, sim->tolerance, 0, sim->contact, sim->restitution, sim->friction, sim->search, false,
-                  sim->step},
+                 {sim->integrator, sim->tolerance, 0, sim->contact, sim->restitution, sim->friction, sim->search,
+                  s->out.near.path != NULL, sim->step},
                  &s->crew->link,
                  s->gm,
                  sim->softening};
@@ -197,6 +198,7 @@ static int fly(particles *s) {
     if (!s->keep.path) status = team_agree(s->crew, team_leads(s->crew) ? run_outputs_open(&s->out) : CLI_DONE);
     if (status == CLI_DONE) status = fly_on(s, runner, s->keep.path ? &journal : &direct, &ended, &where);
     if (status == CLI_DONE) skf_runner_reports(runner, s->reports); /* or a process is lost */
+    if (status == CLI_DONE && s->out.near.path) skf_runner_approaches(runner, s->out.near.of);
   }
   skf_runner_free(runner);
   cli_progress_end();

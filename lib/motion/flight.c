@@ -101,6 +101,7 @@ skf_status skf_flight_new(const skf_world *world, const skf_flight_options *opti
   if (f && o.approach) f->near = skf_alloc(world->n, sizeof *f->near);
   if (!f || !f->work || (o.approach && !f->near)) return skf_flight_free(f), SKF_ERR_NOMEM;
   for (size_t i = 0; i < world->n && f->near; i++) f->near[i].best.f = -INFINITY;
+  f->horizon = INFINITY;
   f->world = world, f->options = o, f->ops = ops;
   f->blind = !ops->info.adaptive && skf_world_has_joins(world);
   f->ode = (skf_ode){.eval = skf_world_force,
@@ -212,8 +213,11 @@ skf_touch skf_flight_look(skf_flight *f) {
   return at;
 }
 
-/* Along the last step up to s_end. */
+void skf_flight_watch_until(skf_flight *f, double t) { f->horizon = t; }
+
+/* Along the last step up to s_end, or the horizon. */
 static void watch(skf_flight *f, double s_end) {
+  s_end = fmin(s_end, clock_since(f->horizon, f->path.t0) / f->path.h);
   for (size_t i = 0; i < f->world->n; i++) {
     skf_nearest *n = f->near + i;
     skf_view v = skf_view_of(f->world, i, &f->path);
@@ -268,7 +272,7 @@ skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {
 }
 
 bool skf_flight_in_flock(const skf_flight *f) {
-  return f->ops->pass && (f->options.contact == SKF_CONTACT_NONE || f->ops->path_is_free) && !f->near;
+  return f->ops->pass && ((f->options.contact == SKF_CONTACT_NONE && !f->near) || f->ops->path_is_free);
 }
 
 /* A lane's `moved`. */
@@ -298,7 +302,7 @@ skf_status skf_flights_pass(skf_flight *const *flights, size_t n, double t, skf_
                             .evaluations = &f->ode.evaluations,
                             .tolerance = f->options.tolerance,
                             .longest = skf_flight_longest,
-                            .moved = f->options.contact == SKF_CONTACT_NONE ? NULL : look_around,
+                            .moved = f->options.contact == SKF_CONTACT_NONE && !f->near ? NULL : look_around,
                             .flight = f,
                             .index = i,
                             .listener = listener};

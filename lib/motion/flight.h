@@ -12,7 +12,10 @@ size_t skf_flight_state_size(const skf_flight *flight);
 void skf_flight_save(const skf_flight *flight, void *bytes);
 void skf_flight_load(skf_flight *flight, const void *bytes);
 
-/* Whether flights with these options may go on side by side: nothing watched, an integrator that can. */
+/* Approaches count up to a time t; without this, up to the end of the last step. */
+void skf_flight_watch_until(skf_flight *flight, double t);
+
+/* Whether flights with these options may go on side by side: an integrator that can. */
 bool skf_flight_in_flock(const skf_flight *flight);
 /* Steps of n such flights through the same world, until each one's span reaches t; those whose status[i] is not SKF_OK
    are passed over, the others' becomes that of skf_flight_step, or of the listener. The same bits as one by one.

@@ -26,6 +26,7 @@ struct skf_flight {
   void *work;
   skf_ode ode;
   skf_nearest *near; /* of each body, or NULL; kept by skf_flight_save, too */
+  double horizon;    /* what comes after this time is no approach */
   /* From here on: what skf_flight_save keeps. */
   skf_orbit orbit; /* at the end of the last step, after its contact */
   skf_clock from;  /* start of the last step */

@@ -285,6 +285,7 @@ static skf_status launch(skf_runner *r, skf_run_failure *failure) {
   for (size_t i = 0; i < n; i++) {
     const skf_state *start = r->run.start + skf_team_particle(&r->team, i);
     r->status[i] = skf_flight_new(r->world, &r->run.flight, start, r->flights + i);
+    if (!r->status[i]) skf_flight_watch_until(r->flights[i], r->run.t_end);
     r->failed_at[i] = r->start;
     if (!r->status[i] && start->t != r->start) r->status[i] = SKF_ERR_ARG;
   }
@@ -342,8 +343,9 @@ skf_status skf_runner_new(const skf_world *world, const skf_run *run, skf_runner
   skf_status s = skf_team_agree(&team, allocate(r) ? SKF_OK : SKF_ERR_NOMEM, NULL);
   if (!s) s = launch(r, failure);
   if (!s && run->gm && run->count) {
-    s = team.size > 1 ? SKF_ERR_UNSUPPORTED
-                      : skf_cluster_new(world, r->flights, r->mine, run->gm, run->softening, &r->cluster);
+    s = team.size > 1 || run->flight.approach
+            ? SKF_ERR_UNSUPPORTED
+            : skf_cluster_new(world, r->flights, r->mine, run->gm, run->softening, &r->cluster);
     if (s == SKF_ERR_CONVERGENCE && failure) *failure = (skf_run_failure){0, start};
   }
   if (s) return skf_runner_free(r), s;

@@ -98,6 +98,26 @@ skf_status skf_runner_collect(skf_runner *r) {
   return worst;
 }
 
+skf_status skf_runner_approaches(const skf_runner *r, skf_approach *out) {
+  const skf_team *t = &r->team;
+  const skf_approach none = {NAN, {NAN, NAN, NAN}, NAN, NAN};
+  size_t bodies = r->world->n;
+  skf_status s = r->run.flight.approach ? SKF_OK : SKF_ERR_ARG;
+  for (size_t i = 0; i < r->mine && !s; i++)
+    for (size_t b = 0; b < bodies && !s; b++) {
+      skf_approach a;
+      if (skf_flight_approach(r->flights[i], b, &a)) a = none;
+      if (t->rank > 0)
+        s = t->send(t->user, 0, &a, sizeof a);
+      else
+        out[i * t->size * bodies + b] = a;
+    }
+  for (size_t i = 0; i < r->run.count && t->rank == 0 && !s; i++)
+    for (size_t b = 0; b < bodies && i % t->size && !s; b++)
+      s = t->receive(t->user, i % t->size, out + i * bodies + b, sizeof *out);
+  return s;
+}
+
 skf_status skf_runner_reports(const skf_runner *r, skf_flight_report *reports) {
   const skf_team *t = &r->team;
   skf_status s = SKF_OK;

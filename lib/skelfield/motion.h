@@ -193,10 +193,10 @@ typedef struct skf_contact {
 } skf_contact;
 
 /* Where a particle came closest to a body: the place of its path, up to its first contact, where F - iso of that body
-   is largest; the first of several. Found by branch and bound with the field's bounds: nowhere on the path is F - iso
-   larger by more than rounding, unless F hardly changes along a step, as on a circular orbit: there the search ends
-   after 20,000 places. Its time and place are good to rounding where F has a maximum along the path whose
-   curvature tells. The surface's distance from it is estimated to first order. */
+   is largest, and the first of several; any place inside, if it comes there. Found by branch and bound with the field's
+   bounds: nowhere on the path is F - iso larger by more than rounding, unless F hardly changes along a step, as on a
+   circular orbit: there the search ends after 20,000 places. Its time and place are good to rounding where F has a
+   maximum along the path whose curvature tells. The surface's distance from it is estimated to first order. */
 typedef struct skf_approach {
   double t;
   skf_vec3 position; /* inertial */
@@ -285,8 +285,8 @@ typedef struct skf_run {
   skf_flight_options flight;
   const skf_team *team; /* NULL: this process alone; copied */
   /* G times the mass of each particle [L^3/T^2], or NULL: none attracts anything. Those that attract move with all
-     others by one clock, with the default integrator and in one process only, else SKF_ERR_UNSUPPORTED; the report of
-     the first particle has the drifts of all those together, the others' are NAN. */
+     others by one clock, with the default integrator, in one process and without approaches only, else
+     SKF_ERR_UNSUPPORTED; the report of the first particle has the drifts of all those together, the others' are NAN. */
   const double *gm;
   double softening; /* of their pull, -G m / sqrt(r^2 + softening^2); of the bodies' there is none [L] */
 } skf_run;
@@ -323,6 +323,10 @@ SKF_API skf_status skf_runner_fly(skf_runner *runner, const skf_run_sink *sink, 
                                   skf_run_failure *failure);
 /* One report a particle, for the process of rank 0; SKF_OK but for what the team returns. */
 SKF_API skf_status skf_runner_reports(const skf_runner *runner, skf_flight_report *reports);
+/* The same for closest approaches up to the first contact, but not after t_end: particle i's to body b is out[i *
+   bodies
+   + b], NAN in a run of no time. SKF_ERR_ARG without option `approach`. */
+SKF_API skf_status skf_runner_approaches(const skf_runner *runner, skf_approach *out);
 /* Everything that the rest of the run depends on, as bytes for the same build of the library, about 1.9 kB a particle
    with the default integrator, and 56 bytes for each row that waits; what has been delivered is not among them. A
    status of `write` other than SKF_OK ends it. A team may be of another size when it loads them. */

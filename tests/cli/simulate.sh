@@ -198,4 +198,43 @@ sed 's/tolerance:/softening: -1, tolerance:/' pair.yaml >hard.yaml
 run simulate hard.yaml
 expect_refused "a negative softening" "hard.yaml:8: softening is -1, expected a finite number >= 0"
 
+# Closest approaches: straight past at a distance of 1 from r = 1/2, not yet there at t_end, and with a contact.
+cat >past.yaml <<'END'
+skelfield: 1
+gravity: {G: 0}
+bodies:
+  - {name: ball, iso: 2, kernel: {type: inverse}, skeleton: [{point: {at: [0, 0, 0]}}], spin: {axis: [0, 0, 1], rate: 0.5}}
+  - {name: other, iso: 2, kernel: {type: inverse}, skeleton: [{point: {at: [9, 0, 0]}}], spin: {axis: [0, 0, 1], rate: 0.5}}
+particles:
+  - {name: past, position: [-2, 1, 0], velocity: [1, 0, 0]}
+  - {name: coming, position: [-6, 0, 1], velocity: [1, 0, 0]}
+  - {name: touching, position: [0, 3, 0], velocity: [0, -1, 0]}
+simulation: {t_end: 4, output_every: 4}
+END
+run simulate past.yaml -o run.csv --approach near.csv
+expect_status "approaches are written" 0
+cp near.csv "$kept/out"
+expect_out "their header" '^particle,body,t,x,y,z,distance,level$'
+expect_close "a row for each particle and body" "$(rows)" 6 0
+expect_close "when it passes" "$(field 2 3)" 2 1e-14
+expect_close "where" "$(field 2 5)" 1 1e-15
+expect_close "how far, to first order" "$(field 2 7)" 1 1e-14
+expect_close "at which level" "$(field 2 8)" -1 1e-14
+expect_close "never later than t_end" "$(field 4 3)" 4 0
+expect_close "nor further" "$(field 4 4)" -2 1e-15
+expect_close "a contact is the closest" "$(field 6 3)" 2.5 1e-15
+expect_close "at no distance" "$(field 6 7)" 0 0
+run simulate past.yaml -o no-such-folder/run.csv --approach new.csv
+expect_status "nothing is written where the rows cannot be" 1
+expect_nothing_written "and no approaches"
+run simulate past.yaml -o run.csv --approach turned.csv --frame body
+cp turned.csv "$kept/out"
+expect_close "in the frame of the body that turns" "$(field 2 4)" 0.84147098480789651 1e-13
+run simulate past.yaml -o run.csv --approach again.csv --threads 1 --checkpoint past.kept
+expect_same "one thread and a checkpoint change nothing" near.csv again.csv
+run simulate past.yaml -o run.csv --approach run.csv
+expect_refused "one file for rows and approaches" "--approach and --output name the same file"
+run simulate pair.yaml -o run.csv --approach near.csv
+expect_refused "approaches of what has a mass" "pair.yaml:5: particle 'a' has a mass, expected none for --approach"
+
 tap_done

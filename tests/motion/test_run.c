@@ -249,6 +249,67 @@ static void a_run_is_not_another_one(void **state) {
   free(b.data);
 }
 
+/* Stopped, saved and loaded in between, with and without company: the closest approaches are those of each particle
+   alone, but not of what comes after t_end, and no place before its contact is closer. */
+static void approaches_of_a_run(void **state) {
+  (void)state;
+  enum { PLACES = 500 };
+  const double end = 4.3;
+  for (int k = 0; k < 4; k++) {
+    skf_flight_options o = {.contact = k / 2 ? SKF_CONTACT_STOP : SKF_CONTACT_NONE, .approach = true};
+    o.integrator = k % 2 ? "dop853" : "gauss-radau";
+    skf_run run = {COUNT, start, end, 0.7, o};
+    skf_runner *r, *again;
+    skf_approach got[COUNT];
+    long calls = 40;
+    bytes b = {0};
+    assert_int_equal(skf_runner_new(world, &run, &r, NULL), SKF_OK);
+    skf_status s = skf_runner_fly(r, &(skf_run_sink){0}, &(skf_progress){countdown, &calls}, NULL);
+    assert_true(s == SKF_ERR_CANCELLED || s == SKF_OK);
+    assert_int_equal(skf_runner_save(r, put, &b), SKF_OK);
+    assert_int_equal(skf_runner_new(world, &run, &again, NULL), SKF_OK);
+    assert_int_equal(skf_runner_load(again, get, &b), SKF_OK);
+    assert_int_equal(skf_runner_fly(again, &(skf_run_sink){0}, NULL, NULL), SKF_OK);
+    assert_int_equal(skf_runner_approaches(again, got), SKF_OK);
+    skf_runner_free(r), skf_runner_free(again);
+    free(b.data);
+    size_t later = 0;
+    for (size_t p = 0; p < COUNT; p++) {
+      skf_flight *alone = fly(world, o, start[p]);
+      size_t n = 0;
+      skf_contact c = {0};
+      double to = 0, from;
+      while (to < end) {
+        bool touched;
+        assert_int_equal(skf_flight_step(alone, &c, &touched), SKF_OK);
+        n += touched && c.t <= end;
+        skf_flight_span(alone, &from, &to);
+        double last = fmin(to, end);
+        for (int j = 0; j <= PLACES && n == 0; j++) {
+          skf_state at;
+          assert_int_equal(skf_flight_at(alone, fmin(last, from + (last - from) * j / PLACES), &at), SKF_OK);
+          assert_true(fmin(skf_world_level(world, 0, at.t, at.position), 0) <= got[p].level + 1e-13);
+        }
+      }
+      skf_approach want;
+      assert_int_equal(skf_flight_approach(alone, 0, &want), SKF_OK);
+      assert_true(got[p].t <= end);
+      bool settled = want.t <= end && want.level <= 0; /* inside any place will do */
+      if (settled) check_scaled(want.level, got[p].level, 9, 1e-14);
+      if (settled) check_scaled(v3_dist(want.position, got[p].position), 0, 1, 1e-7); /* F is that flat there */
+      if (n) assert_true(got[p].t == c.t);
+      later += want.t > end;
+      skf_flight_free(alone);
+    }
+    assert_in_range(later, 0, COUNT / 2);
+  }
+  skf_runner *r;
+  skf_run run = {COUNT, start, end, 0.7, bounce};
+  assert_int_equal(skf_runner_new(world, &run, &r, NULL), SKF_OK);
+  assert_int_equal(skf_runner_approaches(r, NULL), SKF_ERR_ARG);
+  skf_runner_free(r);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(rows_fall_on_multiples_and_the_end),
@@ -260,6 +321,7 @@ int main(void) {
       cmocka_unit_test(failures_say_who_and_when),
       cmocka_unit_test(interruptions_change_nothing),
       cmocka_unit_test(a_run_is_not_another_one),
+      cmocka_unit_test(approaches_of_a_run),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }
