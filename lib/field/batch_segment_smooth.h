@@ -7,16 +7,15 @@
 #include "simd/vecspecial.h"
 
 /* A segment, and what a short one needs: a^2 from the midpoint, m_n = int x^(2n) exp(p (1 - x^2)) dx over [0, 1] by
-   (2n)!, p = (a L / 2)^2. What a long one needs: its direction times a and by a; the exponent; up to which squares of
-   distances exponentials are accurate, do not count when they are cut there, and from which on nothing is left; a
-   square of abscissae near enough for any distance from the axis. */
+   (2n)!, p = (a L / 2)^2. What a long one needs: its direction times a, by a and times the strength; a square of
+   abscissae near enough for any distance from the axis; factors of the results. */
 enum { GAUSSIAN_MOMENTS = 7 };
 typedef struct gaussian_span_row {
   segment_row s;
   skf_vd width; /* a L */
   skf_vd m[GAUSSIAN_MOMENTS];
-  skf_v3d up, down;
-  skf_vd exponent, most, seen, zero, axis;
+  skf_v3d up, down, along;
+  skf_vd axis, F, g;
 } gaussian_span_row;
 
 /* So that an exponential cut at VD_EXP_MAX does not count */
@@ -31,11 +30,11 @@ static double *gaussian_span_pack(const skf_prepared *e, double *k) {
     if (n < GAUSSIAN_MOMENTS) k[n] = m;
   }
   for (int n = 1; n < GAUSSIAN_MOMENTS; n++) k[n] /= factorial *= (2 * n) * (2 * n - 1);
-  double a = e->kernel.param, aa = a * a;
+  double a = e->kernel.param;
   skf_vec3 along = e->plan.segment.a;
-  k = pack_exponent(pack3(pack3(k + GAUSSIAN_MOMENTS, v3_scale(a, along)), v3_scale(1 / a, along)), a);
-  k = pack1(pack1(pack1(k, VD_EXP_MAX / aa), GAUSSIAN_SEEN / aa), VD_EXP_ZERO / aa);
-  return pack1(k, 64 / (aa * width * width));
+  k = pack3(pack3(k + GAUSSIAN_MOMENTS, v3_scale(a, along)), v3_scale(1 / a, along));
+  k = pack3(k, v3_scale(e->strength, along));
+  return pack1(pack1(pack1(k, 64 / (width * width)), e->strength / a), 2 * a * e->strength);
 }
 
 /* Squares of a times the distances from the ends and the line; a times the abscissae of the ends, and the width that
@@ -89,12 +88,16 @@ SKF_INLINE skf_vvalue gaussian_segment_short(const gaussian_span_row *c, skf_v3d
   return (skf_vvalue){F, g, (seen & (f.n2 < vd_set(INFINITY))) | gone};
 }
 
+SKF_INLINE skf_vvalue gaussian_segment_careful(const gaussian_span_row *c, skf_v3d x) {
+  return vv_scale(c->s.strength, gaussian_segment_short(c, x));
+}
+
 /* The same of one longer than its width, in stages: the series is never needed. On the axis w is not known well enough
    far from the nearer end. */
 typedef struct gaussian_segment_state {
   skf_v3d w;
   skf_vd u0, u1, y0, y1, yh; /* the squares of the distances, then their exponentials */
-  skf_vd x0, x1;             /* set in the middle */
+  skf_vd x0, x1;             /* vd_erfc_scaled of u0, u1 */
   skf_vi seen, good;
 } gaussian_segment_state;
 
@@ -102,35 +105,36 @@ SKF_INLINE skf_vi gaussian_within(skf_vd u0, skf_vd u1) { return ((skf_vi)u0 ^ (
 
 SKF_INLINE void gaussian_segment_begin(const gaussian_span_row *c, skf_v3d x, gaussian_segment_state *s) {
   skf_v3d d0 = vd3_sub(c->s.from, x), d1 = vd3_sub(c->s.to, x);
-  skf_vd u0 = vd3_dot(d0, c->up), u1 = vd3_dot(d1, c->up), y0 = vd3_dot(d0, d0), y1 = vd3_dot(d1, d1);
+  skf_vd u0 = vd3_dot(d0, c->up), u1 = vd3_dot(d1, c->up);
   skf_v3d w = vd3_less(d0, u0, c->down);
-  skf_vd yh = vd3_dot(w, w), least = vd_select(gaussian_within(u0, u1), yh, vd_min(y0, y1));
+  skf_vd yh = c->s.param2 * vd3_dot(w, w), y0 = vd_fma(u0, u0, yh), y1 = vd_fma(u1, u1, yh);
+  skf_vd least = vd_select(gaussian_within(u0, u1), yh, vd_min(y0, y1)), most = vd_set(VD_EXP_MAX);
   s->w = w, s->u0 = u0, s->u1 = u1, s->yh = yh;
-  s->y0 = vd_min(y0, c->most), s->y1 = vd_min(y1, c->most);
-  s->seen = least < c->seen;
-  s->good = (s->seen & (vd_fma(vd_set(SKF_PICK(256, 1e8)), yh, c->axis) > y0)) | (least > c->zero);
+  s->y0 = vd_min(y0, most), s->y1 = vd_min(y1, most);
+  s->seen = least < vd_set(GAUSSIAN_SEEN);
+  s->good = (s->seen & (vd_fma(vd_set(SKF_PICK(256, 1e8)), yh, c->axis) > y0)) | (least > vd_set(VD_EXP_ZERO));
 }
 
 SKF_INLINE void gaussian_segment_exp(const gaussian_span_row *c, gaussian_segment_state *s) {
-  s->y0 = vd_exp2_product(c->exponent, s->y0);
-  s->y1 = vd_exp2_product(c->exponent, s->y1);
-  s->yh = vd_exp2_product(c->exponent, s->yh);
+  const skf_vd exponent = vd_set(-1.4426950408889634074);
+  (void)c;
+  s->y0 = vd_exp2_product(exponent, s->y0);
+  s->y1 = vd_exp2_product(exponent, s->y1);
+  s->yh = vd_exp2_product(exponent, s->yh);
 }
 
-SKF_INLINE void gaussian_segment_top(const gaussian_span_row *c, gaussian_segment_state *s) {
+SKF_INLINE void gaussian_segment_erfc(const gaussian_span_row *c, gaussian_segment_state *s) {
+  skf_vd u0 = vd_abs(s->u0), u1 = vd_abs(s->u1);
   (void)c;
-  s->x0 = s->y0 * vd_erfc_top(vd_abs(s->u0)), s->x1 = s->y1 * vd_erfc_top(vd_abs(s->u1));
-}
-SKF_INLINE void gaussian_segment_bottom(const gaussian_span_row *c, gaussian_segment_state *s) {
-  (void)c;
-  s->x0 /= vd_erfc_bottom(vd_abs(s->u0)), s->x1 /= vd_erfc_bottom(vd_abs(s->u1));
+  s->x0 = vd_erfc_scaled(u0), s->x1 = vd_erfc_scaled(u1);
 }
 
 SKF_INLINE skf_vvalue gaussian_segment_end(const gaussian_span_row *c, const gaussian_segment_state *s) {
-  skf_vd all = vd_fma(vd_set(SQRT_PI), s->yh, -(s->x0 + s->x1));
-  skf_vd F = c->s.per_param * vd_select(gaussian_within(s->u0, s->u1), all, vd_abs(s->x0 - s->x1));
-  skf_v3d g = vd3_mad(vd3_scale(s->y0 - s->y1, c->s.a), vd_set(2) * c->s.param2 * F, s->w);
-  return (skf_vvalue){(skf_vd)((skf_vi)F & s->seen), vd3_keep(s->seen, g), s->good};
+  skf_vd x0 = s->y0 * s->x0, x1 = s->y1 * s->x1;
+  skf_vd all = vd_fma(vd_set(SQRT_PI), s->yh, -(x0 + x1)), part = vd_abs(x0 - x1);
+  skf_vd F = (skf_vd)((skf_vi)vd_select(gaussian_within(s->u0, s->u1), all, part) & s->seen);
+  skf_vd ends = (skf_vd)((skf_vi)(s->y0 - s->y1) & s->seen);
+  return (skf_vvalue){c->F * F, vd3_mad(vd3_scale(ends, c->along), c->g * F, s->w), s->good};
 }
 
 /* inverse_squared.c's segment. With N = r0 r1 and delta the angle of view: F = delta / h, and -int g dt =
@@ -185,8 +189,8 @@ SKF_INLINE skf_vvalue inverse_squared_segment_end(const segment_row *c, const in
 }
 
 SKF_BATCH_FORM(gaussian_segment_short, gaussian_span, skf_again_none)
-SKF_BATCH_STAGED(gaussian_segment, gaussian_span, gaussian_segment_short, gaussian_segment_exp, gaussian_segment_top,
-                 gaussian_segment_bottom)
+SKF_BATCH_STAGED(gaussian_segment, gaussian_span, gaussian_segment_careful, gaussian_segment_exp, gaussian_segment_erfc,
+                 skf_stage_none)
 SKF_BATCH_STAGED(inverse_squared_segment, segment, inverse_squared_segment_close, inverse_squared_segment_middle,
                  inverse_squared_segment_series, skf_stage_none)
 

@@ -3,7 +3,8 @@
    vector form, beside the closed form at each point; the same textbook formula with the functions of libm, of glibc's
    vector library and of SLEEF (1 ulp), straightforwardly and once more with the geometry that keeps the digits next to
    the body, and the largest relative errors of all against long double; the cost of a batch of one point; batches in
-   main memory; two threads. Least of many interleaved runs; it only reports. */
+   main memory; two threads. Least of many interleaved runs; it only reports. With arguments, of the table only the rows
+   whose names contain one of them ("cauchy arc"). */
 #include "core/vec3.h"
 #include "field/batch.h"
 #include "simd/vec.h"
@@ -300,7 +301,15 @@ static bool has_form(const skf_element *e) {
   return skf_batch_form_of(skf_batch_get(skf_isa_pick()), &q) != SKF_FORM_COUNT;
 }
 
-static void table(void) {
+static bool wanted(const char *kernel, const char *name, int words, char **word) {
+  char both[64];
+  snprintf(both, sizeof both, "%s %s", kernel, name);
+  for (int i = 0; i < words; i++)
+    if (strstr(both, word[i])) return true;
+  return words == 0;
+}
+
+static void table(int words, char **word) {
   printf("ns per value and gradient: closed form, vector form, its cycles and ratio; how many times longer the same "
          "formula takes\nwith each library; largest relative errors of F and gradient: ours and theirs\n");
   printf("%-29s %8s %8s %7s %7s", "", "closed", "vector", "cycles", "ratio");
@@ -313,8 +322,10 @@ static void table(void) {
       for (int circle = 0; circle <= (s == SKF_ARC); circle++) {
         skf_element e[64] = {{unit((skf_shape)s, circle), {.type = (skf_kernel_type)k, .param = 1.5}, 1}};
         char many[32];
+        const char *kernel = skf_kernel_get((skf_kernel_type)k)->name;
+        const char *shape = circle ? "circle" : skf_shape_get((skf_shape)s)->name;
         if (!has_form(e)) continue;
-        table_row(circle ? "circle" : skf_shape_get((skf_shape)s)->name, e, 1);
+        if (wanted(kernel, shape, words, word)) table_row(shape, e, 1);
         if (s != SKF_POINT && !(k == SKF_INVERSE && (s == SKF_SEGMENT || s == SKF_TRIANGLE))) continue;
         for (int i = 1; i < 64; i++) {
           e[i] = e[0];
@@ -323,7 +334,7 @@ static void table(void) {
           if (s == SKF_TRIANGLE) e[i].primitive.triangle.vertices[0].z += 0.01 * i;
         }
         snprintf(many, sizeof many, "64 %ss", skf_shape_get((skf_shape)s)->name);
-        table_row(many, e, 64);
+        if (wanted(kernel, many, words, word)) table_row(many, e, 64);
       }
 }
 
@@ -407,7 +418,7 @@ static void large(void) {
   free(room);
 }
 
-int main(void) {
+int main(int argc, char **argv) {
   if (skf_batch_get(skf_isa_pick()) == &skf_batch_scalar) return puts("no vector forms on this machine") < 0;
   omp_set_num_threads(1);
   unsigned long long seed = 1;
@@ -418,9 +429,8 @@ int main(void) {
     }
   calibrate();
   count_cycles();
-  table();
-  one_point();
-  large();
+  table(argc - 1, argv + 1);
+  if (argc == 1) one_point(), large();
   printf("\nclock %.2f GHz\n", 1 / cycle_ns);
   return 0;
 }
