@@ -187,38 +187,7 @@ SKF_INLINE skf_vvalue cauchy_circle(const arc_row *c, skf_v3d x) {
   return cauchy_gather(c, &f, &p, second, second, fourth, fourth, vd_set(SKF_PI / 8), vd_set(0), vi_set(-1));
 }
 
-/* 4 rho int dchi / r and 4 rho int sin^2 chi dchi / r^3 beta over a quarter turn, by the arithmetic-geometric mean of
-   skf_elliptic_complete: da / db >= 1/33, so that five steps are enough. */
-typedef struct quarter_view {
-  skf_vd K, sin2;
-} quarter_view;
-
-SKF_INLINE quarter_view arc_quarter(const arc_row *c, const arc_view *f) {
-  skf_vd da = vd_sqrt(f->alpha), db = vd_sqrt(f->beta), one = vd_set(1), half = vd_set(0.5), per_db = one / db;
-  skf_vd kp = da * per_db, rest = vd_set(4) * c->rho * f->k * per_db / (da + db); /* 1 - kp */
-  skf_vd a = half * (one + kp), g = vd_sqrt(kp), w = half * rest, E = vd_set(0.25) * rest / (one + kp), t = one;
-  skf_vd S = half + E;
-  for (int i = 0; i < 5; i++) {
-    skf_vd next = half * (a + g), q = vd_set(0.25) * w / next;
-    g = vd_sqrt(a * g);
-    a = next;
-    E *= q * q;
-    w *= q;
-    t += t;
-    S = vd_fma(t, E, S);
-  }
-  skf_vd K = vd_set(SKF_PI * 2) * c->rho * per_db / a;
-  return (quarter_view){K, K * S};
-}
-
-SKF_INLINE skf_vvalue inverse_circle(const arc_row *c, skf_v3d x) {
-  arc_view f = circle_see(c, x);
-  quarter_view q = arc_quarter(c, &f);
-  return arc_finish(c, &f, q.K, (q.sin2 - q.K) / f.alpha, -(q.sin2 / f.beta), vd_set(0), vd_sane(f.alpha));
-}
-
 SKF_BATCH_CROSSED(cauchy_arc, open_arc, cauchy_arc_close, cauchy_arc_turn, cauchy_arc_middle, cauchy_arc_series)
 SKF_BATCH_FORM(cauchy_circle, arc, skf_again_none)
-SKF_BATCH_FORM(inverse_circle, arc, skf_again_none)
 
 #endif

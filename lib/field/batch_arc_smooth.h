@@ -4,6 +4,7 @@
 #define SKF_FIELD_BATCH_ARC_SMOOTH_H
 
 #include "field/batch_arc.h"
+#include "field/batch_circle.h"
 #include "simd/vecspecial.h"
 
 /* cos chi and sin chi at the ends, all with the same sign or none; from the antipode of x where it is behind. */
@@ -21,42 +22,108 @@ SKF_INLINE ends_view arc_ends(const arc_row *c, const arc_view *f) {
                      vd_select(behind, -c1, s1), S * vd_fma(S, f->ux, -(C * f->uy))};
 }
 
+/* 4 rho times int dchi / r, int alpha cos^2 chi / r^3 dchi and int beta sin^2 chi / r^3 dchi over a quarter turn: 2 pi
+   rho / M(da, db) as for a circle, and what it loses when da, db grow. */
+typedef struct quarter_view {
+  skf_vd K, cos2, sin2;
+} quarter_view;
+
+SKF_INLINE quarter_view arc_quarter(const arc_row *c, const arc_view *f) {
+  skf_vd da = vd_sqrt(f->alpha), db = vd_sqrt(f->beta), one = vd_set(1), a = vd_set(0.5) * (da + db);
+  skf_vd g = vd_sqrt(da * db), sum = a + g, per = one / (a * sum), rise = c->rho * f->k * per, q = rise * rise;
+  elliptic_view e = elliptic_series(q * q);
+  skf_vd m = (q + q) * e.slope, per_sum = a * per, K = vd_set(2 * SKF_PI) * c->rho * per_sum;
+  skf_vd by_a = K * per_sum * vd_fnma(m, one - q, e.K), by_g = K * per_sum * (g * vd_fma(m, one + q, e.K));
+  return (quarter_view){(K + K) * e.K, vd_fma(da, by_a, by_g), vd_fma(db, by_a, by_g)};
+}
+
 /* int dchi / r = R_F(U1^2, U2^2, U3^2) and int cos^2 chi / r^3 dchi = R_D / 3 + c0 c1 / (r0 r1 U3) with U1 = cs u,
    U2 = ds u, U3 = ns u times da, u the difference of the elliptic arguments at the ends [DLMF 19.29.4, 19.25.35]. The
    addition theorem [DLMF 22.8] gives them for any sweep; beyond a quarter period, where U1 < 0, u is measured from the
    half period. Each is written in two ways, so that terms of one sign are added where the ends are in one quadrant and
    where a multiple of pi / 2 lies between them. */
-SKF_INLINE skf_vvalue inverse_arc_by(const arc_row *c, skf_v3d x, int count) {
-  arc_view f = arc_see(c, x);
-  ends_view t = arc_ends(c, &f);
-  skf_vd zero = vd_set(0), al = f.alpha, be = f.beta, spread = vd_set(4) * c->rho * f.k;
-  skf_vd r0 = vd_sqrt(vd_fma(al, t.c0 * t.c0, be * (t.s0 * t.s0))),
-         r1 = vd_sqrt(vd_fma(al, t.c1 * t.c1, be * (t.s1 * t.s1)));
+typedef struct inverse_arc_state {
+  arc_view f;
+  ends_view t;
+  skf_vd r0, r1; /* distances from the ends */
+  skf_vd U1, U3;
+  skf_vduplication d;
+} inverse_arc_state;
+
+SKF_INLINE void inverse_arc_begin(const arc_row *c, skf_v3d x, inverse_arc_state *s) { s->f = arc_see(c, x); }
+
+SKF_INLINE void inverse_arc_ends(const arc_row *c, inverse_arc_state *s) {
+  const ends_view t = arc_ends(c, &s->f);
+  skf_vd al = s->f.alpha, be = s->f.beta;
+  s->r0 = vd_sqrt(vd_fma(al, t.c0 * t.c0, be * (t.s0 * t.s0)));
+  s->r1 = vd_sqrt(vd_fma(al, t.c1 * t.c1, be * (t.s1 * t.s1)));
+  s->t = t;
+}
+
+/* With the first duplication */
+SKF_INLINE void inverse_arc_arguments(const arc_row *c, inverse_arc_state *s) {
+  const ends_view t = s->t;
+  skf_vd zero = vd_set(0), r0 = s->r0, r1 = s->r1, spread = vd_set(4) * c->rho * s->f.k;
   skf_vd cc = t.c0 * t.c1, ss = t.s0 * t.s1, up = t.c0 * t.s1, down = t.c1 * t.s0, rr = r0 * r1;
   skf_vi apart = cc * ss < zero;
   skf_vd den = vd_select(apart, vd_fma(up, r0, -(down * r1)), t.rise), per = vd_set(1) / den;
-  skf_vd one1 = vd_fma(t.c1 * t.s1, r0, t.c0 * t.s0 * r1), two1 = vd_fma(al, cc, ss * rr);
+  skf_vd one1 = vd_fma(t.c1 * t.s1, r0, t.c0 * t.s0 * r1), two1 = vd_fma(s->f.alpha, cc, ss * rr);
   skf_vd one2 = vd_fma(up, r1, down * r0), two2 = vd_fma(-spread, cc * ss, rr);
-  skf_vd one3 = vd_fma(up, r0, down * r1), two3 = vd_fma(spread, ss * ss, al);
+  skf_vd one3 = vd_fma(up, r0, down * r1), two3 = vd_fma(spread, ss * ss, s->f.alpha);
   skf_vd U1 = vd_select(apart, two1, one1) * per, U2 = vd_select(apart, two2, one2) * per,
          U3 = vd_select(apart, two3, one3) * per;
-  skf_vcarlson v = vd_carlson(vd_abs(U1), U2, U3, count);
-  skf_vi beyond = U1 < zero;
-  skf_vd rho2 = c->rho + c->rho, I = v.rf, A = vd_set(1. / 3) * v.rd;
-  if (vi_any(beyond)) {
-    quarter_view q = arc_quarter(c, &f);
-    skf_vd per_rho = vd_set(1) / rho2; /* twice a quarter's */
-    I = vd_select(beyond, vd_fma(q.K, per_rho, -I), I);
-    A = vd_select(beyond, vd_fma((q.K - q.sin2) / al, per_rho, -A), A);
-  }
-  A += cc / (rr * U3);
-  skf_vd ends = rho2 * rho2 * t.rise / (rr * (r0 + r1));
-  skf_vi good = vd_sane(rr) & vd_sane(U2) & vd_sane(U3) & (U2 > zero) & (U3 > zero) & v.good;
-  return arc_finish(c, &f, rho2 * I, -(rho2 * A), -rho2 * vd_fma(-al, A, I) / be, ends, good);
+  s->f.good &= vd_sane(rr) & vd_sane(U2) & vd_sane(U3) & (U2 > zero) & (U3 > zero);
+  s->U1 = U1, s->U3 = U3;
+  s->d = vd_carlson_begin(vd_abs(U1), U2, U3);
+  vd_carlson_twice(&s->d, 0x1p-2);
+  vd_carlson_roots(&s->d);
 }
 
-SKF_OUTLINE skf_vvalue inverse_arc(const arc_row *c, skf_v3d x) { return inverse_arc_by(c, x, 5); }
-SKF_OUTLINE skf_vvalue inverse_arc_slow(const arc_row *c, skf_v3d x) { return inverse_arc_by(c, x, 7); }
+SKF_INLINE void inverse_arc_duplications(const arc_row *c, inverse_arc_state *s) {
+  (void)c;
+  vd_carlson_twice(&s->d, 0x1p-4);
+  vd_carlson_roots(&s->d);
+  vd_carlson_twice(&s->d, 0x1p-6);
+  vd_carlson_roots(&s->d);
+  vd_carlson_twice(&s->d, 0x1p-8);
+  vd_carlson_roots(&s->d);
+  vd_carlson_twice(&s->d, 0x1p-10);
+}
+
+SKF_INLINE skf_vvalue inverse_arc_finish(const arc_row *c, const inverse_arc_state *s, double scale) {
+  const arc_view *f = &s->f;
+  skf_vcarlson v = vd_carlson_end(&s->d, scale);
+  skf_vi beyond = s->U1 < vd_set(0);
+  skf_vd rho2 = c->rho + c->rho, I = v.rf, A = vd_set(1. / 3) * v.rd, rr = s->r0 * s->r1;
+  if (vi_any(beyond)) {
+    quarter_view q = arc_quarter(c, f);
+    skf_vd per_rho = vd_set(1) / rho2; /* twice a quarter's */
+    I = vd_select(beyond, vd_fma(q.K, per_rho, -I), I);
+    A = vd_select(beyond, vd_fma(q.cos2 / f->alpha, per_rho, -A), A);
+  }
+  skf_vd sum = s->r0 + s->r1, rest = s->U3 * f->beta, inv = vd_set(1) / (rr * sum * rest);
+  A = vd_fma(s->t.c0 * s->t.c1, inv * (sum * f->beta), A);
+  skf_vd per_beta = inv * (rr * sum) * s->U3, ends = rho2 * rho2 * s->t.rise * (inv * rest);
+  return arc_finish(c, f, rho2 * I, -(rho2 * A), -rho2 * vd_fnma(f->alpha, A, I) * per_beta, ends, v.good);
+}
+
+SKF_INLINE skf_vvalue inverse_arc_end(const arc_row *c, const inverse_arc_state *s) {
+  return inverse_arc_finish(c, s, 0x1p-10);
+}
+
+/* With three duplications more */
+SKF_OUTLINE skf_vvalue inverse_arc_slow(const arc_row *c, skf_v3d x) {
+  inverse_arc_state s;
+  inverse_arc_begin(c, x, &s);
+  inverse_arc_ends(c, &s);
+  inverse_arc_arguments(c, &s);
+  inverse_arc_duplications(c, &s);
+  for (double scale = 0x1p-12; scale >= 0x1p-14; scale *= 0.25) {
+    vd_carlson_roots(&s.d);
+    vd_carlson_twice(&s.d, scale);
+  }
+  return inverse_arc_finish(c, &s, 0x1p-14);
+}
 
 /* From delta, int cos^2 and int sin^2 of the span in which r^2 = alpha cos^2 chi + beta sin^2 chi is 1. */
 SKF_INLINE skf_vvalue squared_gather(const arc_row *c, const arc_view *f, skf_vd per_D, skf_vd delta, skf_vd c2,
@@ -102,7 +169,7 @@ SKF_INLINE skf_vvalue gaussian_circle(const arc_row *c, skf_v3d x) {
   return (skf_vvalue){F, vd3_mad(g, slope * F * f.z, c->n), (seen & f.good & (b >= zero)) | gone};
 }
 
-SKF_BATCH_FORM(inverse_arc, arc, inverse_arc_slow)
+SKF_BATCH_STAGED(inverse_arc, arc, inverse_arc_slow, inverse_arc_ends, inverse_arc_arguments, inverse_arc_duplications)
 SKF_BATCH_FORM(inverse_squared_arc, arc, skf_again_none)
 SKF_BATCH_FORM(inverse_squared_circle, arc, skf_again_none)
 SKF_BATCH_FORM(gaussian_circle, arc, skf_again_none)

@@ -5,6 +5,7 @@
 
 #include "field/batch_arc.h"
 #include "field/batch_arc_smooth.h"
+#include "field/batch_circle.h"
 #include "field/batch_plane.h"
 #include "field/batch_point.h"
 #include "field/batch_segment.h"

@@ -7,6 +7,7 @@
 #include "field/batch_arc.h"
 #include "field/batch_arc_compact.h"
 #include "field/batch_arc_smooth.h"
+#include "field/batch_circle.h"
 #include "field/batch_area_compact.h"
 #include "field/batch_area_gaussian.h"
 #include "field/batch_area_metaball.h"

@@ -99,16 +99,25 @@ typedef struct skf_vcarlson {
   skf_vi good;
 } skf_vcarlson;
 
-SKF_INLINE skf_vcarlson vd_carlson(skf_vd sx, skf_vd sy, skf_vd sz, int count) {
-  skf_vd x = sx * sx, y = sy * sy, z = sz * sz, quarter = vd_set(0.25), f = vd_set(1), S = vd_set(0);
-  for (int n = 1;; n++) {
-    skf_vd l = vd_fma(sx, sy + sz, sy * sz);
-    S += f / (sz * (z + l));
-    x = quarter * (x + l), y = quarter * (y + l), z = quarter * (z + l);
-    f *= quarter;
-    if (n == count) break;
-    sx = vd_sqrt(x), sy = vd_sqrt(y), sz = vd_sqrt(z);
-  }
+/* The same in steps: `scale` is 4^-n after n duplications. */
+typedef struct skf_vduplication {
+  skf_vd x, y, z, sx, sy, sz, S; /* arguments, their roots, the sum for R_D */
+} skf_vduplication;
+
+SKF_INLINE skf_vduplication vd_carlson_begin(skf_vd sx, skf_vd sy, skf_vd sz) {
+  return (skf_vduplication){sx * sx, sy * sy, sz * sz, sx, sy, sz, vd_set(0)};
+}
+/* A duplication, its roots not taken yet */
+SKF_INLINE void vd_carlson_twice(skf_vduplication *d, double scale) {
+  skf_vd quarter = vd_set(0.25), l = vd_fma(d->sx, d->sy + d->sz, d->sy * d->sz);
+  d->S += vd_set(4 * scale) / (d->sz * (d->z + l));
+  d->x = quarter * (d->x + l), d->y = quarter * (d->y + l), d->z = quarter * (d->z + l);
+}
+SKF_INLINE void vd_carlson_roots(skf_vduplication *d) {
+  d->sx = vd_sqrt(d->x), d->sy = vd_sqrt(d->y), d->sz = vd_sqrt(d->z);
+}
+SKF_INLINE skf_vcarlson vd_carlson_end(const skf_vduplication *run, double scale) {
+  skf_vd x = run->x, y = run->y, z = run->z;
   skf_vd one = vd_set(1), A = (x + y + z) * vd_set(1. / 3), C = vd_fma(vd_set(3), z, x + y) * vd_set(0.2);
   skf_vd per = one / (A * C), per_A = per * C, per_C = per * A;
   skf_vd X = (A - x) * per_A, Y = (A - y) * per_A, Z = -(X + Y), E2 = vd_fnma(Z, Z, X * Y), E3 = X * Y * Z;
@@ -124,7 +133,18 @@ SKF_INLINE skf_vcarlson vd_carlson(skf_vd sx, skf_vd sy, skf_vd sz, int count) {
   d = vd_fma(D4, vd_fma(D2, vd_set(3. / 20), vd_set(-3. / 22)),
              vd_fma(D5, vd_fma(D2, vd_set(-9. / 68), vd_set(3. / 26)), d));
   skf_vd far = vd_max(vd_max(vd_abs(Z), vd_abs(X)), vd_max(vd_max(vd_abs(P), vd_abs(Q)), vd_abs(Y)));
-  return (skf_vcarlson){s / vd_sqrt(A), vd_fma(f * per_C / vd_sqrt(C), d, vd_set(3) * S), far < vd_set(1. / 64)};
+  skf_vd rd = vd_fma(vd_set(scale) * (per_C * per_C) * vd_sqrt(C), d, vd_set(3) * run->S);
+  return (skf_vcarlson){s * (per_A * vd_sqrt(A)), rd, far < vd_set(1. / 64)};
+}
+
+SKF_INLINE skf_vcarlson vd_carlson(skf_vd sx, skf_vd sy, skf_vd sz, int count) {
+  skf_vduplication d = vd_carlson_begin(sx, sy, sz);
+  double scale = 1;
+  for (int n = 0; n < count; n++) {
+    if (n > 0) vd_carlson_roots(&d);
+    vd_carlson_twice(&d, scale *= 0.25);
+  }
+  return vd_carlson_end(&d, scale);
 }
 
 /* I0(b) and I1(b) / (b / 2) for 0 <= b <= VD_BESSEL_NEAR. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Some of the vector forms in eight lanes, without the instructions of AVX-512: compilers take minutes over all. */
 #include "field/batch_arc.h"
+#include "field/batch_circle.h"
 #include "field/batch_point.h"
 #include "field/batch_segment.h"
 #include "field/batch_triangle.h"

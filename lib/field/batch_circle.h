@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: MIT */
+/* Vector form: 1 / r along a circle. Points next to it are left to the closed form. */
+#ifndef SKF_FIELD_BATCH_CIRCLE_H
+#define SKF_FIELD_BATCH_CIRCLE_H
+
+#include "field/batch_loop.h"
+
+/* K = 2 / pi times the complete integral of the first kind, and its slope, for parameters q^2 up to that of a circle
+   seen from where r_near >= r_far / 32, after one step of the arithmetic-geometric mean. */
+typedef struct elliptic_view {
+  skf_vd K, slope;
+} elliptic_view;
+
+SKF_INLINE elliptic_view elliptic_series(skf_vd x) {
+  /* (K - 1) / x and dK / dx for x = q^2 up to 0.242 */
+#ifdef SKF_VEC_FLOAT /* 1e-8, 9e-8 */
+  static const double c[] = {0.24999999132428597714, 0.14062757349892773414,  0.097534097320298889128,
+                             0.07685355590122596816, 0.044928848722901761892, 0.10124612534179589865};
+  static const double d[] = {0.24999993255451477099, 0.28126999872998822775, 0.29202143322479295002,
+                             0.315177329337672776,   0.18305243580292895762, 0.68438077151678032717};
+#else /* 4e-17, 5e-17 */
+  static const double c[] = {0.25000000000000003284,  0.14062499999995416344,  0.09765625001057082881,
+                             0.074768065451290991971, 0.060562178458683759509, 0.050887776798678958035,
+                             0.043900716701058748191, 0.038307093065890379062, 0.036461174665249699913,
+                             0.019912744108246717307, 0.067854195002770643885, -0.060340853386643379044,
+                             0.12043163741277107926};
+  static const double d[] = {0.24999999999999996409, 0.28125000000005813206,  0.29296874998443454502,
+                             0.29907226726216983282, 0.30281057936072555792,  0.30533701716773209889,
+                             0.30708991211795836426, 0.30939936841084994928,  0.3009720887228809884,
+                             0.36955584248321885138, 0.031508843446869510371, 1.1955059210172823381,
+                             -1.4165277447278784066, 2.0379935703406459773};
+#endif
+  return (elliptic_view){vd_fma(x, vd_estrin(c, sizeof c / sizeof *c, x), vd_set(1)),
+                         vd_estrin(d, sizeof d / sizeof *d, x)};
+}
+
+/* The circle's centre and normal; R^2, 2 R^2, 4 pi R times the strength. */
+typedef struct circle_row {
+  skf_v3d center, n;
+  skf_vd R2, twice, F;
+} circle_row;
+
+static double *circle_pack(const skf_prepared *e, double *k) {
+  const skf_arc_plan *a = &e->plan.arc;
+  double R2 = a->radius * a->radius;
+  k = pack3(pack3(k, e->primitive.arc.center), a->n);
+  return pack1(pack1(pack1(k, R2), 2 * R2), 4 * SKF_PI * a->radius * e->strength);
+}
+
+/* F = 2 pi R / M, M the arithmetic-geometric mean of the least and the largest distance from the circle, a0 and g0.
+   With k from the axis, z from the plane, s = k^2 + z^2 + R^2 and D^2 = s^2 - (2 R k)^2 = (k^2 - R^2)^2 + z^2 (s + k^2
+   + R^2): a0^2 + g0^2 = 2 s, a0 g0 = D, so that neither they nor k are needed for its next terms a^2 = (s + D) / 2, g^2
+   = D; one more step, q = (a - g) / (a + g) = R^2 k^2 / (a (a + g))^2 without cancellation, and 1 / M = 2 K(q^2) / (a +
+   g). The gradient is that of this composition. */
+typedef struct inverse_circle_state {
+  skf_v3d w;                    /* from the axis to x */
+  skf_vd k2, z, s, rise, D2, D; /* rise = k^2 + z^2 - R^2 */
+  skf_vd a, g;                  /* set by the first stage */
+  skf_vd per, per_D;            /* 1 / (2 a (a + g))^2 / 2, 1 / D: set by the second */
+  skf_vi good;
+} inverse_circle_state;
+
+SKF_INLINE void inverse_circle_begin(const circle_row *c, skf_v3d x, inverse_circle_state *s) {
+  skf_v3d d = vd3_sub(x, c->center);
+  skf_vd z = vd3_dot(d, c->n), zz = z * z;
+  skf_v3d w = vd3_less(d, z, c->n);
+  skf_vd k2 = vd3_dot(w, w), both = k2 + c->R2, less = k2 - c->R2, all = both + zz;
+  skf_vd D2 = vd_fma(less, less, zz * (all + both));
+  s->w = w, s->k2 = k2, s->z = z, s->s = all, s->rise = less + zz, s->D2 = D2;
+  s->D = vd_sqrt(D2);
+  s->good = (vd_set(256) * D2 > all * all) & (all < vd_set(SKF_PICK(1e70, 1e9)));
+}
+
+SKF_INLINE void inverse_circle_roots(const circle_row *c, inverse_circle_state *s) {
+  (void)c;
+  s->a = vd_sqrt(vd_set(0.5) * (s->s + s->D)), s->g = vd_sqrt(s->D);
+}
+
+SKF_INLINE void inverse_circle_quotients(const circle_row *c, inverse_circle_state *s) {
+  skf_vd sum = s->a + s->g;
+  (void)c;
+  s->per = vd_set(1) / ((s->s + s->D) * (sum * sum)), s->per_D = vd_set(1) / s->D;
+}
+
+SKF_INLINE skf_vvalue inverse_circle_end(const circle_row *c, const inverse_circle_state *s) {
+  skf_vd one = vd_set(1), q = c->twice * s->k2 * s->per;
+  elliptic_view e = elliptic_series(q * q);
+  skf_vd m = (q + q) * e.slope, top = (s->s + s->D) * s->per; /* 1 / (a + g)^2 */
+  /* minus the slopes in a^2 and in g^2, by the same factor */
+  skf_vd by_a = vd_fnma(m, one - q, e.K) * (s->a * s->per), by_g = vd_fma(m, one + q, e.K) * (s->g * top * s->per_D);
+  skf_vd by_D = (by_a + by_g) * s->per_D, across = vd_fma(by_D, s->rise, by_a), along = vd_fma(by_D, s->s, by_a);
+  skf_v3d g = vd3_scale(-(c->F * across), s->w);
+  return (skf_vvalue){c->F * e.K * ((s->a + s->g) * top), vd3_less(g, c->F * (along * s->z), c->n), s->good};
+}
+
+SKF_BATCH_CROSSED(inverse_circle, circle, skf_again_none, inverse_circle_roots, inverse_circle_quotients,
+                  skf_stage_none)
+
+#endif
