@@ -101,8 +101,8 @@ SKF_INLINE skf_vvalue cauchy_gather(const arc_row *c, const arc_view *f, const c
    at the ends W = g -+ 2 rho S t, g = a - 2 rho C p, and their product is (D S)^2 + (a C - 2 rho p)^2. */
 typedef struct open_arc_row {
   arc_row at;
-  skf_v3d m, t, n; /* the axes of p, t, z, s long */
-  skf_vd rho2, twice, twice2, twice_C, twice_S, S2, F, g;
+  skf_v3d m, t, n;                                                  /* the axes of p, t, z, s long */
+  skf_vd rho2, twice, twice2, twice_C, twice_S, S2, F, g, g2, rise; /* g2 = 2 g, rise = 2 twice^2 g */
 } open_arc_row;
 
 static double *open_arc_pack(const skf_prepared *e, double *k) {
@@ -114,7 +114,8 @@ static double *open_arc_pack(const skf_prepared *e, double *k) {
   k = pack3(k, v3_scale(s, a->n));
   k = pack1(pack1(pack1(k, rho * rho), 2 * rho), 4 * rho * rho);
   k = pack1(pack1(pack1(k, 2 * rho * C), 2 * rho * S), S * S);
-  return pack1(pack1(k, 2 * a->radius * e->strength), -2 * a->radius * e->strength);
+  double g = -2 * a->radius * e->strength;
+  return pack1(pack1(pack1(pack1(k, -g), g), 2 * g), 8 * rho * rho * g);
 }
 
 typedef struct cauchy_arc_state {
@@ -156,14 +157,13 @@ SKF_INLINE void cauchy_arc_series(const open_arc_row *c, cauchy_arc_state *s) {
 SKF_INLINE skf_vvalue cauchy_arc_end(const open_arc_row *c, const cauchy_arc_state *s) {
   skf_vd p = s->p, t = s->t, a = s->a, per_W = s->per_WW, per_D2 = s->per_D2, I1 = s->delta;
   skf_vd pS = c->twice_S * p, tS = c->twice_S * t, tC = c->twice_C * t, g = vd_fnma(c->twice_C, p, a);
-  skf_vd ends = vd_fms(pS, g, tC * tS) * per_W, I2 = vd_fma(a, I1, ends) * per_D2, per_W2 = per_W * per_W;
-  skf_vd gt = g * (tS + tS), gg = vd_fma(g, g, tS * tS), ends2 = vd_fms(pS, gg, tC * gt) * per_W2;
-  skf_vd three = vd_fma(vd_set(3), a * I2, ends2 - I1), I3 = three * per_D2, G = c->g * s->per_k2;
-  skf_vd k2 = s->k2, b2 = c->twice2 * k2, part = vd_fma(vd_fma(a, ends, b2 * I1), per_D2, ends2);
-  skf_vd R = G * vd_fms(k2, I3 + I3, vd_fma(a, part, (b2 + b2) * I2) * per_D2);
-  skf_vd E = G * (gt * per_W2), Z = (c->g + c->g) * (s->z * I3);
+  skf_vd ends = vd_fms(pS, g, tC * tS) * per_W, I2 = vd_fma(a, I1, ends) * per_D2;
+  skf_vd y = (tS + tS) * (per_W * per_W), gy = g * y, ends2 = vd_fms(pS, vd_fma(tS, y, per_W), tC * gy);
+  skf_vd three = vd_fma(vd_set(3), a * I2, ends2 - I1), I3 = c->g2 * (three * per_D2), G = c->g * s->per_k2;
+  skf_vd part = vd_fma(vd_fma(a, ends, c->twice2 * s->k2 * I1), per_D2, ends2);
+  skf_vd R = vd_fnma(vd_fma(G * a, part, c->rise * I2), per_D2, I3), E = G * gy;
   skf_v3d v = vd3_scale(vd_fms(R, p, E * t), c->m);
-  v = vd3_mad(vd3_mad(v, vd_fma(R, t, E * p), c->t), Z, c->n);
+  v = vd3_mad(vd3_mad(v, vd_fma(R, t, E * p), c->t), s->z * I3, c->n);
   return (skf_vvalue){c->F * I2, v, s->good & (vd_set(16) * three > I1)};
 }
 

@@ -121,7 +121,10 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
 /* A form in stages, SKF_FLIGHT vectors in each before the next: NAME_begin, three, NAME_end. */
 #define SKF_BATCH_STAGED(name, row_name, again, one, two, three)                                                       \
   SKF_BATCH_STAGES_OF(name, row_name, again, false, SKF_APART, one, two, three)
-/* The same, the strength in the row, where the last stage, all products, of some vectors shares a loop with one of the
+/* The same, the strength in the row */
+#define SKF_BATCH_SCALED(name, row_name, again, one, two, three)                                                       \
+  SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_APART, one, two, three)
+/* The strength in the row, where the last stage, all products, of some vectors shares a loop with one of the
    next that is all roots and quotients, so that the one multiplies while the other divides: NAME_begin, or ONE. */
 #define SKF_BATCH_WOVEN(name, row_name, again, one, two, three)                                                        \
   SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_WITH_BEGIN, one, two, three)

@@ -140,7 +140,17 @@ SKF_INLINE skf_vvalue gaussian_segment_end(const gaussian_span_row *c, const gau
 /* inverse_squared.c's segment. With N = r0 r1 and delta the angle of view: F = delta / h, and -int g dt =
    (delta - sin delta) / h^3 + 2 c L / (N h^2) where c, cos^2 of the mean direction, has the factor h^2 beyond the ends:
    there and next to the axis, the other lanes' form is below. */
-SKF_INLINE skf_vvalue inverse_squared_segment_close(const segment_row *c, skf_v3d x) {
+typedef struct squared_span_row {
+  segment_row s;
+  skf_v3d along; /* the direction times the strength */
+} squared_span_row;
+
+static double *squared_span_pack(const skf_prepared *e, double *k) {
+  return pack3(segment_pack(e, k), v3_scale(e->strength, e->plan.segment.a));
+}
+
+SKF_INLINE skf_vvalue inverse_squared_segment_close(const squared_span_row *row, skf_v3d x) {
+  const segment_row *c = &row->s;
   segment_view f = segment_see(c, x);
   skf_vd one = vd_set(1), L = c->L, NN = f.n0 * f.n1, N = vd_sqrt(NN), h2 = f.n2 * c->per_L2, h = vd_sqrt(h2);
   skf_vd t0 = -vd3_dot(f.d0, c->a), t1 = -vd3_dot(f.d1, c->a), sum = t0 + t1, cosine = h2 - t0 * t1;
@@ -149,8 +159,8 @@ SKF_INLINE skf_vvalue inverse_squared_segment_close(const segment_row *c, skf_v3
   skf_vd inv = one / (NN * bottom), per_NN = bottom * inv, per_h = one / h;
   skf_vd delta = vd_angle(h * L, vd3_dot(f.d0, f.d1)), gap = span_gap3(delta, h * L * N * per_NN);
   skf_vd g = vd_fma(gap * per_h, per_h * per_h, L * top * inv);
-  return (skf_vvalue){delta * per_h, segment_gradient(c, &f, -g, L * sum * per_NN),
-                      vd_sane(NN) & vd_sane(f.n2) & vd_sane(NN * bottom)};
+  return vv_scale(c->strength, (skf_vvalue){delta * per_h, segment_gradient(c, &f, -g, L * sum * per_NN),
+                                            vd_sane(NN) & vd_sane(f.n2) & vd_sane(NN * bottom)});
 }
 
 /* With W = h^2 + t^2 at the ends: -int g dt = (F + [t / W]) / h^2, which cancels beyond the ends. */
@@ -161,37 +171,38 @@ typedef struct inverse_squared_segment_state {
   skf_vi good;
 } inverse_squared_segment_state;
 
-SKF_INLINE void inverse_squared_segment_begin(const segment_row *c, skf_v3d x, inverse_squared_segment_state *s) {
-  skf_v3d d = vd3_sub(c->from, x);
-  skf_vd t0 = vd3_dot(d, c->a), t1 = t0 + c->L;
-  skf_v3d w = vd3_less(d, t0, c->a);
-  skf_vd h2 = vd3_dot(w, w), WW = vd_fma(t0, t0, h2) * vd_fma(t1, t1, h2), bottom = WW * h2;
+SKF_INLINE void inverse_squared_segment_begin(const squared_span_row *c, skf_v3d x, inverse_squared_segment_state *s) {
+  skf_v3d d = vd3_sub(c->s.from, x);
+  skf_vd t0 = vd3_dot(d, c->s.a), t1 = t0 + c->s.L;
+  skf_v3d w = vd3_less(d, t0, c->s.a);
+  skf_vd h2 = vd3_dot(w, w), W0 = vd_fma(t0, t0, h2), WW = W0 * vd_fma(t1, t1, h2), bottom = WW * h2;
   s->w = w, s->t0 = t0, s->t1 = t1, s->h2 = h2, s->WW = WW;
   s->h = vd_sqrt(h2), s->inv = vd_set(1) / bottom;
-  s->good = vd_sane(bottom) & (vd_set(SKF_PICK(100, 1e8)) * h2 > t0 * t0);
+  s->good = (bottom > vd_set(SKF_PICK(1e-140, 1e-18))) & (bottom < vd_set(SKF_PICK(1e140, 1e18))) &
+            (vd_set(SKF_PICK(101, 1e8)) * h2 > W0);
 }
 
-SKF_INLINE void inverse_squared_segment_middle(const segment_row *c, inverse_squared_segment_state *s) {
-  skf_vangle angle = vd_angle_parts(s->h * c->L, vd_fma(s->t0, s->t1, s->h2));
+SKF_INLINE void inverse_squared_segment_middle(const squared_span_row *c, inverse_squared_segment_state *s) {
+  skf_vangle angle = vd_angle_parts(s->h * c->s.L, vd_fma(s->t0, s->t1, s->h2));
   s->offset = angle.offset, s->t = angle.top / angle.bottom;
 }
 
-SKF_INLINE void inverse_squared_segment_series(const segment_row *c, inverse_squared_segment_state *s) {
+SKF_INLINE void inverse_squared_segment_series(const squared_span_row *c, inverse_squared_segment_state *s) {
   (void)c;
   s->t = vd_angle_series(s->offset, s->t);
 }
 
-SKF_INLINE skf_vvalue inverse_squared_segment_end(const segment_row *c, const inverse_squared_segment_state *s) {
-  skf_vd per_h2 = s->inv * s->WW, L_WW = c->L * (s->inv * s->h2), F = s->t * (s->h * per_h2);
+SKF_INLINE skf_vvalue inverse_squared_segment_end(const squared_span_row *c, const inverse_squared_segment_state *s) {
+  skf_vd per_h2 = s->inv * s->WW, L_WW = c->s.L * (s->inv * s->h2), F = s->t * (s->h * per_h2);
   skf_vd ends1 = vd_fnma(s->t0, s->t1, s->h2) * L_WW, both = F + ends1;
-  skf_v3d g = vd3_mad(vd3_scale((s->t0 + s->t1) * L_WW, c->a), per_h2 * both, s->w);
-  return (skf_vvalue){F, g, s->good & (both > vd_set(SKF_PICK(-0.125, -0.25)) * ends1)};
+  skf_v3d g = vd3_mad(vd3_scale((s->t0 + s->t1) * L_WW, c->along), c->s.strength * per_h2 * both, s->w);
+  return (skf_vvalue){c->s.strength * F, g, s->good & (vd_fma(vd_set(SKF_PICK(0.125, 0.25)), ends1, both) > vd_set(0))};
 }
 
 SKF_BATCH_FORM(gaussian_segment_short, gaussian_span, skf_again_none)
-SKF_BATCH_STAGED(gaussian_segment, gaussian_span, gaussian_segment_careful, gaussian_segment_exp, gaussian_segment_erfc,
+SKF_BATCH_SCALED(gaussian_segment, gaussian_span, gaussian_segment_careful, gaussian_segment_exp, gaussian_segment_erfc,
                  skf_stage_none)
-SKF_BATCH_STAGED(inverse_squared_segment, segment, inverse_squared_segment_close, inverse_squared_segment_middle,
-                 inverse_squared_segment_series, skf_stage_none)
+SKF_BATCH_CROSSED(inverse_squared_segment, squared_span, inverse_squared_segment_close, inverse_squared_segment_middle,
+                  inverse_squared_segment_series, skf_stage_none)
 
 #endif
