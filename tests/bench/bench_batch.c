@@ -23,7 +23,7 @@
 #include <sleef.h>
 #endif
 
-enum { POINTS = 1024, PAD = 24, RUNS = 150, IN_A_ROW = 4, HUGE_POINTS = 2000000, FORMULAS = 7 };
+enum { POINTS = 1024, PAD = 24, RUNS = 150, IN_A_ROW = 4, HUGE_POINTS = 2000000, FORMULAS = 10 };
 
 static double p[3][POINTS + PAD], F[4][POINTS + PAD]; /* padded: rows a multiple of 4096 bytes apart disturb */
 static long double exact[4][POINTS];
@@ -37,9 +37,11 @@ typedef struct library {
 static const struct {
   skf_kernel_type kernel;
   skf_shape shape;
-} formulas[FORMULAS] = {
-    {SKF_INVERSE, SKF_SEGMENT}, {SKF_CAUCHY, SKF_SEGMENT},   {SKF_INVERSE, SKF_TRIANGLE},       {SKF_CAUCHY, SKF_ARC},
-    {SKF_GAUSSIAN, SKF_POINT},  {SKF_GAUSSIAN, SKF_SEGMENT}, {SKF_INVERSE_SQUARED, SKF_SEGMENT}};
+} formulas[FORMULAS] = {{SKF_INVERSE, SKF_SEGMENT},         {SKF_CAUCHY, SKF_SEGMENT},
+                        {SKF_INVERSE, SKF_TRIANGLE},        {SKF_CAUCHY, SKF_ARC},
+                        {SKF_GAUSSIAN, SKF_POINT},          {SKF_GAUSSIAN, SKF_SEGMENT},
+                        {SKF_INVERSE_SQUARED, SKF_SEGMENT}, {SKF_INVERSE_SQUARED, SKF_ARC},
+                        {SKF_GAUSSIAN, SKF_PLANE},          {SKF_INVERSE_SQUARED, SKF_PLANE}};
 
 #define V               long double
 #define REAL            long double
@@ -49,6 +51,7 @@ static const struct {
 #define SELECT(m, a, b) ((m) ? (a) : (b))
 #define OUT             exact
 #define SQRT            sqrtl
+#define LOG             logl
 #define LOG1P           log1pl
 #define EXP             expl
 #define ERF             erfl
@@ -66,6 +69,7 @@ static const struct {
 #define SELECT(m, a, b) ((m) ? (a) : (b))
 #define OUT             F
 #define SQRT            sqrt
+#define LOG             log
 #define LOG1P           log1p
 #define EXP             exp
 #define ERF             erf
@@ -76,8 +80,8 @@ static const struct {
 #include "formula.h"
 
 #ifdef SKF_HAVE_LIBMVEC
-__m256d _ZGVdN4v_erf(__m256d), _ZGVdN4v_log1p(__m256d), _ZGVdN4v_exp(__m256d), _ZGVdN4v_atan(__m256d),
-    _ZGVdN4vv_atan2(__m256d, __m256d);
+__m256d _ZGVdN4v_erf(__m256d), _ZGVdN4v_log(__m256d), _ZGVdN4v_log1p(__m256d), _ZGVdN4v_exp(__m256d),
+    _ZGVdN4v_atan(__m256d), _ZGVdN4vv_atan2(__m256d, __m256d);
 #define V               skf_vd
 #define REAL            double
 #define NAME(x)         glibc_##x
@@ -86,6 +90,7 @@ __m256d _ZGVdN4v_erf(__m256d), _ZGVdN4v_log1p(__m256d), _ZGVdN4v_exp(__m256d), _
 #define SELECT(m, a, b) vd_select(m, a, b)
 #define OUT             F
 #define SQRT            vd_sqrt
+#define LOG(x)          ((skf_vd)_ZGVdN4v_log((__m256d)(x)))
 #define LOG1P(x)        ((skf_vd)_ZGVdN4v_log1p((__m256d)(x)))
 #define ERF(x)          ((skf_vd)_ZGVdN4v_erf((__m256d)(x)))
 #define EXP(x)          ((skf_vd)_ZGVdN4v_exp((__m256d)(x)))
@@ -105,6 +110,7 @@ __m256d _ZGVdN4v_erf(__m256d), _ZGVdN4v_log1p(__m256d), _ZGVdN4v_exp(__m256d), _
 #define SELECT(m, a, b) vd_select(m, a, b)
 #define OUT             F
 #define SQRT            vd_sqrt
+#define LOG(x)          ((skf_vd)Sleef_logd4_u10avx2((__m256d)(x)))
 #define LOG1P(x)        ((skf_vd)Sleef_log1pd4_u10avx2((__m256d)(x)))
 #define ERF(x)          ((skf_vd)Sleef_erfd4_u10avx2((__m256d)(x)))
 #define EXP(x)          ((skf_vd)Sleef_expd4_u10avx2((__m256d)(x)))

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Textbook formulas of F and its gradient, written once for every library of functions that bench_batch.c compares.
    Included with NAME(x); REAL, a type of numbers; V, REAL or a vector of doubles; LOAD(p) and STORE(p, v); SELECT(m, a,
-   b); SQRT, LOG1P, EXP, ERF, ATAN and ATAN2 on V; OUT, four arrays. Bodies are in general position. Some lose digits
-   next to the body: those are there a second time, carefully, with the geometry that keeps them. */
+   b); SQRT, LOG, LOG1P, EXP, ERF, ATAN and ATAN2 on V; OUT, four arrays. Bodies are in general position. Some lose
+   digits next to the body: those are there a second time, carefully, with the geometry that keeps them. */
 
 typedef struct NAME(body) {
   V a[3], b[3], u[3], L, s;              /* a point, or a segment's ends, direction, length; the kernel's parameter */
@@ -120,6 +120,20 @@ static inline void NAME(cauchy_arc)(const NAME(body) * c, const V at[3], V out[4
   NAME(turn)(c, gx, gy, fa * x[2], out);
 }
 
+/* The same of 1 / r^2, its derivatives by the two integrals of cos and sin that make it up and vanish with W */
+static inline void NAME(squared_arc)(const NAME(body) * c, const V at[3], V out[4]) {
+  V R = c->R, T = c->tan, co = c->cos, si = c->sin, d[3], x[3];
+  for (int k = 0; k < 3; k++) d[k] = at[k] - c->at[k];
+  for (int k = 0; k < 3; k++) x[k] = NAME(dot)(d, c->axis[k]);
+  V a = NAME(dot)(x, x) + R * R, bx = 2 * R * x[0], by = 2 * R * x[1], bb = bx * bx + by * by, C = a * a - bb;
+  V root = SQRT(C), m = a + bx, W2 = m * T - by, W1 = -(m * T) - by, D2 = a - bx * co - by * si, D1 = D2 + 2 * by * si;
+  V I = 2 * ATAN2(root * (W2 - W1), C + W1 * W2) / root, i1 = 1 / D1, i2 = 1 / D2;
+  V n2 = bx * si - by * co, n1 = -(bx * si) - by * co, G = (n2 * i2 - n1 * i1 + a * I) / C;
+  V along = (a * G - I) / bb, across = (i1 - i2) / bb, Gx = bx * along - by * across, Gy = by * along + bx * across;
+  out[0] = R * I;
+  NAME(turn)(c, -2 * R * (x[0] * G - R * Gx), -2 * R * (x[1] * G - R * Gy), -2 * R * x[2] * G, out);
+}
+
 /* lib/field/batch_arc.h's */
 static inline void NAME(careful_arc)(const NAME(body) * c, const V at[3], V out[4]) {
   V R = c->s * c->R, d[3], x[3];
@@ -144,6 +158,24 @@ static inline void NAME(gaussian_point)(const NAME(body) * c, const V x[3], V ou
   for (int k = 0; k < 3; k++) out[1 + k] = -2 * s2 * out[0] * d[k];
 }
 
+static inline V NAME(height)(const NAME(body) * c, const V x[3]) {
+  V d[3];
+  for (int k = 0; k < 3; k++) d[k] = x[k] - c->a[k];
+  return NAME(dot)(d, c->n);
+}
+
+static inline void NAME(gaussian_plane)(const NAME(body) * c, const V x[3], V out[4]) {
+  V z = NAME(height)(c, x), s2 = c->s * c->s, h = EXP(-(s2 * z * z)), slope = (REAL)-6.2831853071795864769L * z * h;
+  out[0] = (REAL)3.1415926535897932385L / s2 * h;
+  for (int k = 0; k < 3; k++) out[1 + k] = slope * c->n[k];
+}
+
+static inline void NAME(squared_plane)(const NAME(body) * c, const V x[3], V out[4]) {
+  V z = NAME(height)(c, x), slope = (REAL)-6.2831853071795864769L / z;
+  out[0] = (REAL)-3.1415926535897932385L * LOG(z * z);
+  for (int k = 0; k < 3; k++) out[1 + k] = slope * c->n[k];
+}
+
 static V NAME(all)(REAL a) { return a - (V){0}; }
 static void NAME(vector)(V to[3], skf_vec3 a) {
   for (int k = 0; k < 3; k++) to[k] = NAME(all)((REAL)v3_get(a, k));
@@ -163,6 +195,7 @@ static void NAME(prepare)(const skf_element *e) {
   NAME(body) *c = &NAME(c);
   c->s = NAME(all)((REAL)e->kernel.param);
   if (q->shape == SKF_POINT) NAME(vector)(c->a, q->point.at);
+  if (q->shape == SKF_PLANE) NAME(vector)(c->a, q->plane.through), NAME(vector)(c->n, q->plane.normal);
   if (q->shape == SKF_SEGMENT) {
     NAME(vector)(c->a, q->segment.from), NAME(vector)(c->b, q->segment.to);
     for (int k = 0; k < 3; k++) c->u[k] = c->b[k] - c->a[k];
@@ -210,6 +243,9 @@ FORMULA_RUN(careful_arc, NAME(careful_arc)(c, x, v))
 FORMULA_RUN(gaussian_point, NAME(gaussian_point)(c, x, v))
 FORMULA_RUN(gaussian_segment, NAME(gaussian_segment)(c, x, v))
 FORMULA_RUN(squared_segment, NAME(squared_segment)(c, x, v))
+FORMULA_RUN(squared_arc, NAME(squared_arc)(c, x, v))
+FORMULA_RUN(gaussian_plane, NAME(gaussian_plane)(c, x, v))
+FORMULA_RUN(squared_plane, NAME(squared_plane)(c, x, v))
 #undef FORMULA_RUN
 
 static const library NAME(library) = {NAME(prepare),
@@ -219,7 +255,10 @@ static const library NAME(library) = {NAME(prepare),
                                        {NAME(run_cauchy_arc), NAME(run_careful_arc)},
                                        {NAME(run_gaussian_point), NULL},
                                        {NAME(run_gaussian_segment), NULL},
-                                       {NAME(run_squared_segment), NULL}}};
+                                       {NAME(run_squared_segment), NULL},
+                                       {NAME(run_squared_arc), NULL},
+                                       {NAME(run_gaussian_plane), NULL},
+                                       {NAME(run_squared_plane), NULL}}};
 #undef V
 #undef REAL
 #undef NAME
@@ -228,6 +267,7 @@ static const library NAME(library) = {NAME(prepare),
 #undef OUT
 #undef SELECT
 #undef SQRT
+#undef LOG
 #undef LOG1P
 #undef EXP
 #undef ERF
