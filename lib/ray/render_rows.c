@@ -66,6 +66,8 @@ static void smooth_light(const skf_picture *r, const float *from, int x, int y, 
   }
 }
 
+static int smaller(int a, int b) { return a < b ? a : b; }
+
 /* Beams from pixel x on, n of them; light is not asked for along them. */
 static void set_out(const skf_picture *r, int x, int y, int n, skf_beam *beams) {
   const skf_beam first = {.time = 0.5, .weight = 1, .height = 1 - (y + 0.5) / r->s->height};
@@ -151,21 +153,38 @@ void skf_row_shade(skf_picture *r, int y) {
   }
 }
 
+/* Beams through the pixels of a square, no more than `most` to a side, in the order in which they go through the octree
+   together: 4 x 2 beside each other. Returns how many, and each one's pixel. */
+static int tile(const skf_picture *r, int x, int y, int most, skf_beam *beams, size_t *pixel) {
+  enum { WIDE = 4, HIGH = 2 };
+  int n = 0, right = smaller(x + most, r->s->width), bottom = smaller(y + most, r->s->height);
+  for (int top = y; top < bottom; top += HIGH)
+    for (int left = x; left < right; left += WIDE)
+      for (int j = top; j < smaller(top + HIGH, bottom); j++) {
+        int m = smaller(WIDE, right - left);
+        set_out(r, left, j, m, beams + n);
+        for (int i = 0; i < m; i++) pixel[n++] = (size_t)j * r->s->width + left + i;
+      }
+  return n;
+}
+
+/* The rows of tiles from y on. */
 void skf_row_draft(skf_picture *r, int y) {
-  int w = r->s->width;
+  enum { SIDE = 8 };
   float lit[SKF_LIT];
+  if (y % SIDE) return;
   for (int k = 0; k < SKF_LIT; k++) lit[k] = 1;
-  for (int x = 0; x < w; x += SKF_MANY) {
-    skf_beam beams[SKF_MANY];
-    skf_sight sights[SKF_MANY];
-    int n = w - x < SKF_MANY ? w - x : SKF_MANY;
-    double rgb[SKF_MANY][3];
-    see(r, x, y, n, beams, sights);
+  for (int x = 0; x < r->s->width; x += SIDE) {
+    skf_beam beams[SIDE * SIDE];
+    skf_sight sights[SIDE * SIDE];
+    size_t pixel[SIDE * SIDE];
+    double rgb[SIDE * SIDE][3];
+    int n = tile(r, x, y, SIDE, beams, pixel);
+    skf_look_many(&r->stage, (size_t)n, beams, sights);
     skf_radiance_many(&r->stage, (size_t)n, beams, sights, lit, 0, rgb);
     for (int i = 0; i < n; i++) {
-      size_t k = (size_t)y * w + x + i;
-      skf_put(r, k, rgb[i]);
-      if (r->depth && sights[i].body >= 0) r->depth[k] = (float)sights[i].t;
+      skf_put(r, pixel[i], rgb[i]);
+      if (r->depth && sights[i].body >= 0) r->depth[pixel[i]] = (float)sights[i].t;
     }
   }
 }
