@@ -110,21 +110,14 @@ SKF_INLINE skf_vd quiet_until(const skf_leaf *leaf, const skf_ways *ways, int v)
   return first;
 }
 
-SKF_INLINE skf_vd sides_of(const skf_packet *p, int v) {
-  double side[SKF_LANES];
-  for (int k = 0; k < SKF_LANES; k++) {
-    int lane = SKF_LANES * v + k;
-    side[k] = (int)(p->above >> lane & 1) - (int)(p->below >> lane & 1);
-  }
-  return vd_load(side);
+SKF_INLINE skf_vi lanes_on(unsigned lanes, int v) {
+  const skf_vi bits = {1, 2, 4, 8};
+  return (skf_vi)((vi_set(lanes >> (SKF_LANES * v)) & bits) == bits);
 }
 
-SKF_INLINE skf_vi lanes_on(unsigned lanes, int v) {
-  long long on[SKF_LANES];
-  skf_vi out;
-  for (int k = 0; k < SKF_LANES; k++) on[k] = -(long long)(lanes >> (SKF_LANES * v + k) & 1);
-  memcpy(&out, on, sizeof out);
-  return out;
+SKF_INLINE skf_vd sides_of(const skf_packet *p, int v) {
+  skf_vd up = vd_select(lanes_on(p->above, v), vd_set(1), vd_set(0));
+  return up - vd_select(lanes_on(p->below, v), vd_set(1), vd_set(0));
 }
 
 #endif
