@@ -29,10 +29,14 @@ double skf_blob_quiet(const skf_blob *b, double iso) {
   return 0.999 * fmax(square, endless);
 }
 
+/* Not of NaNs: without a call. */
+static double larger(double a, double b) { return a > b ? a : b; }
+static double smaller(double a, double b) { return a < b ? a : b; }
+
 /* Beside a segment, at x along it and where m = 1 - h^2 / R^2; all lengths in units of R, without the strength. */
 static double beside(const skf_blob *b, double x, double length, double m) {
   if (!(m > 0)) return 0;
-  double y = sqrt(m), lo = fmax(-x, -y), hi = fmin(length - x, y), ll = lo * lo, hh = hi * hi;
+  double y = sqrt(m), lo = larger(-x, -y), hi = smaller(length - x, y), ll = lo * lo, hh = hi * hi;
   if (!(lo < hi)) return 0;
   double F = b->c2 * (hi * (m * m - hh * (2. / 3 * m - 0.2 * hh)) - lo * (m * m - ll * (2. / 3 * m - 0.2 * ll)));
   if (!(b->c3 > 0)) return F;
@@ -48,13 +52,13 @@ bool skf_segment_range(const skf_blob *b, const skf_cube *c, double *lo, double 
   if (along + wide < -R || along - wide > b->length + R) return false;
   skf_vec3 q = v3_mad(v, -along, a);
   double h = v3_norm(q), slack = 1e-12 * (R + fabs(along)), in = c->half * (fabs(q.x) + fabs(q.y) + fabs(q.z));
-  double near = h > 0 ? fmax(h - in / h - slack, 0) : 0, far = h + c->radius + slack;
+  double near = h > 0 ? larger(h - in / h - slack, 0) : 0, far = h + c->radius + slack;
   if (!(near < R)) return false;
-  double x = along / R, w = wide / R + 1e-12 * fabs(x), L = b->length / R, middle = 0.5 * L, s = b->strength * R;
-  double best = fmin(fmax(middle, x - w), x + w), most = beside(b, best, L, 1 - near * near * b->per);
+  double x = along * b->per_R, w = wide * b->per_R + 1e-12 * fabs(x), L = b->span, middle = 0.5 * L, s = b->moment;
+  double best = smaller(larger(middle, x - w), x + w), most = beside(b, best, L, 1 - near * near * b->per);
   if (!(most > 0)) return false;
   double m = 1 - far * far * b->per;
   *hi += s * (most + 64 * DBL_EPSILON);
-  if (m > 0) *lo += s * fmax(fmin(beside(b, x - w, L, m), beside(b, x + w, L, m)) - 64 * DBL_EPSILON, 0);
+  if (m > 0) *lo += s * larger(smaller(beside(b, x - w, L, m), beside(b, x + w, L, m)) - 64 * DBL_EPSILON, 0);
   return true;
 }
