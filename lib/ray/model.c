@@ -61,7 +61,17 @@ static void along_rays(int n, skf_restriction *out) {
     for (int k = 0; k <= n; k++) out->bernstein[i][k] = a[i][n + 1 + k] / a[i][i];
 }
 
-void skf_chebyshev_init(skf_chebyshev *t, double slack) {
+/* |T_n'| <= n^2, |T_n''| <= n^2 (n^2 - 1) / 3; a Hessian's norm is at most its largest row. */
+static void sizes(skf_chebyshev *t) {
+  for (int i = 0; i < SKF_ALL_NODES; i++) {
+    int x = i / (N * N), y = i / N % N, z = i % N, x2 = x * x, y2 = y * y, z2 = z * z;
+    double xx = x2 * (x2 - 1) / 3. + x2 * (y2 + z2), yy = y2 * (y2 - 1) / 3. + y2 * (x2 + z2),
+           zz = z2 * (z2 - 1) / 3. + z2 * (x2 + y2);
+    t->total[i] = x + y + z, t->slope[i] = sqrt(x2 * x2 + y2 * y2 + z2 * z2), t->bend[i] = fmax(xx, fmax(yy, zz));
+  }
+}
+
+void skf_chebyshev_init(skf_chebyshev *t, skf_isa isa, double slack) {
   double T[N], values[N], c[N];
   memset(t, 0, sizeof *t);
   for (int p = 0; p < N; p++) {
@@ -81,6 +91,13 @@ void skf_chebyshev_init(skf_chebyshev *t, double slack) {
   t->power[0][0] = 1, t->power[1][1] = 1;
   for (int i = 2; i < N; i++)
     for (int k = 0; k <= i; k++) t->power[k][i] = (k ? 2 * t->power[k - 1][i - 1] : 0) - t->power[k][i - 2];
+  sizes(t);
+  t->apply = skf_model_apply_scalar;
+#ifdef SKF_HAVE_AVX2
+  if (isa != SKF_ISA_SCALAR) t->apply = skf_model_apply_avx2;
+#else
+  (void)isa;
+#endif
   along_rays(SKF_LOW_DEGREE, &t->low), along_rays(SKF_DEGREE, &t->full);
   t->lebesgue = 2 / SKF_PI * log(N) + 1; /* an upper bound [Rivlin 1974] */
 }
@@ -136,36 +153,6 @@ void skf_margin_add(skf_margin *sum, const skf_margin *m) {
   sum->fourth += m->fourth, sum->size += m->size;
 }
 
-/* The matrix of each axis in turn, on what has N^3 entries. The innermost loops run along memory. */
-static void apply(const double a[3][N][N], double *c) {
-  double b[SKF_ALL_NODES], turned[N][N];
-  for (int k = 0; k < N; k++)
-    for (int q = 0; q < N; q++) turned[q][k] = a[2][k][q];
-  memset(b, 0, sizeof b);
-  for (int k = 0; k < N; k++)
-    for (int q = 0; q < N; q++) {
-      double f = a[0][k][q];
-      if (f == 0) continue; /* many are */
-      for (int i = 0; i < N * N; i++) b[k * N * N + i] += f * c[q * N * N + i];
-    }
-  for (int x = 0; x < N; x++) {
-    double row[N][N] = {{0}};
-    const double *from = b + x * N * N;
-    for (int k = 0; k < N; k++)
-      for (int q = 0; q < N; q++) {
-        double f = a[1][k][q];
-        if (f == 0) continue;
-        for (int i = 0; i < N; i++) row[k][i] += f * from[q * N + i];
-      }
-    for (int y = 0; y < N; y++) {
-      double sum[N] = {0};
-      for (int q = 0; q < N; q++)
-        for (int k = 0; k < N; k++) sum[k] += turned[q][k] * row[y][q];
-      memcpy(c + (x * N + y) * N, sum, sizeof sum);
-    }
-  }
-}
-
 static void spread(const double a[N][N], double all[3][N][N]) {
   for (int axis = 0; axis < 3; axis++) memcpy(all[axis], a, sizeof all[axis]);
 }
@@ -174,41 +161,38 @@ void skf_model_halve(const skf_chebyshev *t, const skf_model *m, int child, skf_
   double a[3][N][N];
   for (int axis = 0; axis < 3; axis++) memcpy(a[axis], t->half[child >> axis & 1], sizeof a[axis]);
   *out = *m;
-  apply((const double(*)[N][N])a, out->c);
+  t->apply((const double(*)[N][N])a, out->c);
 }
 
 void skf_model_add(const skf_chebyshev *t, const double *values, const skf_margin *off, skf_model *m) {
   double a[3][N][N], c[SKF_ALL_NODES];
   spread(t->forward, a);
   memcpy(c, values, sizeof c);
-  apply((const double(*)[N][N])a, c);
+  t->apply((const double(*)[N][N])a, c);
   for (int i = 0; i < SKF_ALL_NODES; i++) m->c[i] += c[i];
   skf_margin_add(&m->off, off);
 }
 
-double skf_model_swing(const skf_model *m, int degree) {
-  double sum = 0;
-  for (int i = 1; i < SKF_ALL_NODES; i++)
-    if (i / (N * N) + i / N % N + i % N > degree) sum += fabs(m->c[i]);
-  return sum;
+double skf_model_swing(const skf_chebyshev *t, const skf_model *m, int degree) {
+  double sum[4] = {0};
+  for (int i = 0; i < SKF_ALL_NODES; i += 4)
+    for (int k = 0; k < 4; k++) sum[k] += t->total[i + k] > degree ? fabs(m->c[i + k]) : 0;
+  return sum[0] + sum[1] + sum[2] + sum[3];
 }
 
 void skf_model_powers(const skf_chebyshev *t, const skf_model *m, double half, int degree, double out[SKF_TERMS],
                       skf_margin *off) {
-  double a[3][N][N], c[SKF_ALL_NODES], per = 1 / half, all = 0;
+  double a[3][N][N], c[SKF_ALL_NODES], per = 1 / half, all = 0, value = 0, slope = 0, bend = 0;
   for (int i = 0; i < SKF_ALL_NODES; i++) {
-    int x = i / (N * N), y = i / N % N, z = i % N, x2 = x * x, y2 = y * y, z2 = z * z;
     double size = fabs(m->c[i]);
-    bool keep = x + y + z <= degree;
+    bool keep = t->total[i] <= degree;
     c[i] = keep ? m->c[i] : 0, all += size;
-    if (keep) continue; /* |T_n'| <= n^2, |T_n''| <= n^2 (n^2 - 1) / 3; the Hessian's norm is at most its largest row */
-    double xx = x2 * (x2 - 1) / 3. + x2 * (y2 + z2), yy = y2 * (y2 - 1) / 3. + y2 * (x2 + z2),
-           zz = z2 * (z2 - 1) / 3. + z2 * (x2 + y2);
-    off->value += size, off->slope += size * sqrt(x2 * x2 + y2 * y2 + z2 * z2) * per;
-    off->bend += size * fmax(xx, fmax(yy, zz)) * per * per;
+    size = keep ? 0 : size;
+    value += size, slope += size * t->slope[i], bend += size * t->bend[i];
   }
+  off->value += value, off->slope += slope * per, off->bend += bend * per * per;
   spread(t->power, a);
-  apply((const double(*)[N][N])a, c);
+  t->apply((const double(*)[N][N])a, c);
   for (int i = 0, n = 0; i <= degree; i++)
     for (int j = 0; i + j <= degree; j++)
       for (int k = 0; i + j + k <= degree; k++) out[n++] = c[(i * N + j) * N + k];

@@ -4,6 +4,7 @@
 #define SKF_RAY_MODEL_H
 
 #include "ray/source.h"
+#include "simd/isa.h"
 
 /* Nodes along each axis; the total degree of the polynomials that rays meet, and their terms. */
 enum { SKF_NODES = 8, SKF_ALL_NODES = SKF_NODES * SKF_NODES * SKF_NODES };
@@ -14,15 +15,22 @@ typedef struct skf_restriction {
   double place[SKF_DEGREE + 1], bernstein[SKF_DEGREE + 1][SKF_DEGREE + 1];
 } skf_restriction;
 
+/* The matrix of each axis in turn, on what has SKF_ALL_NODES entries. */
+typedef void skf_model_apply_fn(const double a[3][SKF_NODES][SKF_NODES], double *c);
+skf_model_apply_fn skf_model_apply_scalar, skf_model_apply_avx2;
+
 /* Chebyshev's nodes and what turns values there into coefficients, coefficients into those on a half of the interval
    (the cubes are larger than the cells by 1 + slack), or into powers. */
 typedef struct skf_chebyshev {
   double node[SKF_NODES], forward[SKF_NODES][SKF_NODES], half[2][SKF_NODES][SKF_NODES], power[SKF_NODES][SKF_NODES];
-  skf_restriction low, full; /* for SKF_LOW_DEGREE, SKF_DEGREE */
-  double lebesgue;           /* how much larger an interpolant can be than what it interpolates, along one axis */
+  skf_restriction low, full;   /* for SKF_LOW_DEGREE, SKF_DEGREE */
+  double total[SKF_ALL_NODES]; /* degree of a model's terms, what their slopes and Hessians are at most */
+  double slope[SKF_ALL_NODES], bend[SKF_ALL_NODES];
+  skf_model_apply_fn *apply;
+  double lebesgue; /* how much larger an interpolant can be than what it interpolates, along one axis */
 } skf_chebyshev;
 
-void skf_chebyshev_init(skf_chebyshev *t, double slack);
+void skf_chebyshev_init(skf_chebyshev *t, skf_isa isa, double slack);
 
 /* Bounds for a part of the field: of the error of its polynomial, of that of the gradient and of the Hessian, of the
    fourth derivative along any line, and of the sum of the magnitudes that the field is made of. */
@@ -52,7 +60,7 @@ void skf_model_halve(const skf_chebyshev *t, const skf_model *m, int child, skf_
 void skf_model_add(const skf_chebyshev *t, const double *values, const skf_margin *off, skf_model *m);
 
 /* The sum of what the coefficients of a total degree above `degree` can amount to; above 0: how much it changes. */
-double skf_model_swing(const skf_model *m, int degree);
+double skf_model_swing(const skf_chebyshev *t, const skf_model *m, int degree);
 
 /* Powers up to `degree` in all, SKF_DEGREE or SKF_LOW_DEGREE: out[] of x^i y^j z^k, i, then j, then k ascending; what
    is left out is added to *off. `half`: of the cube. */

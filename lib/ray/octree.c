@@ -178,16 +178,19 @@ static skf_cell make(skf_octree *t, int kind, const skf_branch *in, const uint32
 }
 
 /* What the powers of a patch tell without the rays. */
-static void set_shape(const skf_patch *p, skf_leaf *l) {
+static void set_shape(skf_patch *p, skf_leaf *l) {
   const double *c = p->c;
-  l->patch = p, l->f = c[0], l->flat = 0, l->slope = 0, l->bend = 0;
+  l->patch = p, l->f = c[0], l->flat = 0, l->slope = 0, l->bend = 0, p->beyond = 0;
   for (int i = 0; i <= p->degree; i++)
     for (int j = 0; i + j <= p->degree; j++)
       for (int m = 0; i + j + m <= p->degree; m++, c++) {
         int n = i + j + m;
         double size = fabs(*c) * p->per;
-        if (n == 1) *(i ? &l->g.x : j ? &l->g.y : &l->g.z) = *c * p->per;
+        if (n == 1) *(i ? &l->g.x : j ? &l->g.y : &l->g.z) = *c * p->per, p->lean[i ? 0 : j ? 1 : 2] = *c;
+        if (n == 2 && (i == 2 || j == 2 || m == 2)) p->bow[i ? 0 : j ? 1 : 2] = *c;
+        if (n == 2 && (i == 1 || j == 1)) p->bow[!m ? 3 : !j ? 4 : 5] = 0.5 * *c;
         if (n > 1) l->flat += fabs(*c);
+        if (n > 2) p->beyond += fabs(*c);
         l->slope += n * size, l->bend += n * (n - 1) * size * p->per;
       }
   l->flat += p->off.value, l->slope += p->off.slope, l->bend += p->off.bend;
@@ -286,7 +289,7 @@ static bool open_smooth(skf_octree *t, size_t n) {
   far->count = (uint32_t)n;
   memcpy(far->list, t->all->list, n * sizeof *far->list);
   *s = (skf_smooth){.field = t->field, .sources = t->sources, .iso = t->iso, .noise = t->noise, .few = n <= FEW};
-  skf_chebyshev_init(&s->table, SLACK);
+  skf_chebyshev_init(&s->table, skf_isa_pick(), SLACK);
   t->smooth = s, t->all->far = far;
   return true;
 }

@@ -7,28 +7,43 @@
 #include "ray/packet_ways.h"
 #include "ray/room.h"
 
+enum { PLACES = 4 }; /* at a time; 4 + 4 or 3 + 3 */
+
 /* Where the lanes enter and leave a cell; a >= b: not at all. */
 typedef struct span {
   skf_vd a[VECTORS], b[VECTORS];
 } span;
 
-/* The patch's value at x, y, z, in units of half the cell: Horner's scheme in each of them. */
-SKF_INLINE skf_vd patch_at(const int n, const double *c, skf_vd x, skf_vd y, skf_vd z) {
-  skf_vd sum = vd_set(0);
+/* Without vectors it makes nothing quicker and takes the compiler long. */
+#ifdef SKF_MM
+#define UNROLLED _Pragma("GCC unroll 8")
+#else
+#define UNROLLED _Pragma("GCC unroll 1")
+#endif
+
+/* The patch's values at `many` places x, y, z each, in units of half the cell: Horner's scheme in each of them. Several
+   at a time, as it takes as long to fetch a coefficient as to use it. */
+SKF_INLINE void patch_at(const int n, const int many, const double *c, const skf_vd *x, const skf_vd *y,
+                         const skf_vd *z, skf_vd *out) {
   const double *last = c + (n + 1) * (n + 2) * (n + 3) / 6 - 1;
-#pragma GCC unroll 8
+  for (int m = 0; m < many; m++) out[m] = vd_set(0);
+  UNROLLED
   for (int i = n; i >= 0; i--) {
-    skf_vd row = vd_set(0);
-#pragma GCC unroll 8
+    skf_vd row[PLACES];
+    for (int m = 0; m < many; m++) row[m] = vd_set(0);
+    UNROLLED
     for (int j = n - i; j >= 0; j--) {
-      skf_vd line = vd_set(*last--);
-#pragma GCC unroll 8
-      for (int k = n - i - j; k > 0; k--) line = vd_fma(line, z, vd_set(*last--));
-      row = vd_fma(row, y, line);
+      skf_vd line[PLACES], first = vd_set(*last--);
+      for (int m = 0; m < many; m++) line[m] = first;
+      UNROLLED
+      for (int k = n - i - j; k > 0; k--) {
+        skf_vd next = vd_set(*last--);
+        for (int m = 0; m < many; m++) line[m] = vd_fma(line[m], z[m], next);
+      }
+      for (int m = 0; m < many; m++) row[m] = vd_fma(row[m], y[m], line[m]);
     }
-    sum = vd_fma(sum, x, row);
+    for (int m = 0; m < many; m++) out[m] = vd_fma(out[m], x[m], row[m]);
   }
-  return sum;
 }
 
 /* One more coefficient of a polynomial at x: its value, its derivative and half its second derivative. */
@@ -60,34 +75,15 @@ SKF_INLINE void patch_turn(const int n, const double *c, const skf_vd at[3], con
   out[2] = sxz * d[0] + syz * d[1] + two * szz * d[2];
 }
 
-/* Lanes that the linear part does not show to be on one side. */
-SKF_INLINE unsigned beyond_plane(const skf_packet *p, const skf_leaf *leaf, const span *s, int v, unsigned *above) {
-  int at = SKF_LANES * v;
-  skf_vd dx = vd_load(p->d[0] + at), dy = vd_load(p->d[1] + at), dz = vd_load(p->d[2] + at), a = s->a[v];
-  skf_vd gx = vd_set(leaf->g.x), gy = vd_set(leaf->g.y), gz = vd_set(leaf->g.z), flat = vd_set(leaf->flat);
-  skf_vd fa = vd_set(leaf->f) + gx * (vd_load(p->o[0] + at) + a * dx - vd_set(leaf->center.x)) +
-              gy * (vd_load(p->o[1] + at) + a * dy - vd_set(leaf->center.y)) +
-              gz * (vd_load(p->o[2] + at) + a * dz - vd_set(leaf->center.z));
-  skf_vd fb = fa + (s->b[v] - a) * (gx * dx + gy * dy + gz * dz);
-  flat += vd_load(p->shift + at) * vd_set(leaf->slope);
-  unsigned over = (unsigned)vi_bits((fa > flat) & (fb > flat)) << at;
-  unsigned under = (unsigned)vi_bits((fa < -flat) & (fb < -flat)) << at;
-  *above |= over;
-  return ~(over | under) & (((1u << SKF_LANES) - 1) << at);
-}
-
 /* Four lanes in a patch: the way through it and F - iso along it, by Bernstein's coefficients, to within `off`. */
 typedef struct way_through {
   skf_vd at[3], step[3]; /* where it starts, and all of it, in units of half the cell */
   skf_vd a, b, off, c[SKF_DEGREE + 1];
 } way_through;
 
-SKF_INLINE void go_through(const int n, const skf_packet *p, const skf_leaf *leaf, const span *s, int v,
-                           way_through *w) {
-  const skf_chebyshev *table = skf_octree_table(p->tracer->tree);
-  const skf_restriction *t = n == SKF_DEGREE ? &table->full : &table->low;
+SKF_INLINE void step_in(const skf_packet *p, const skf_leaf *leaf, const span *s, int v, way_through *w) {
   int lane = SKF_LANES * v;
-  skf_vd per = vd_set(leaf->patch->per), f[SKF_DEGREE + 1];
+  skf_vd per = vd_set(leaf->patch->per);
   w->a = s->a[v], w->b = s->b[v];
   w->off = vd_set(leaf->patch->off.value) + vd_load(p->shift + lane) * vd_set(leaf->slope);
   for (int k = 0; k < 3; k++) {
@@ -95,11 +91,43 @@ SKF_INLINE void go_through(const int n, const skf_packet *p, const skf_leaf *lea
     w->at[k] = (vd_load(p->o[k] + lane) + w->a * d - vd_set(v3_get(leaf->center, k))) * per;
     w->step[k] = (w->b - w->a) * per * d;
   }
+}
+
+SKF_INLINE skf_vd dot(const skf_vd a[3], const skf_vd b[3]) {
+  return vd_fma(a[2], b[2], vd_fma(a[1], b[1], a[0] * b[0]));
+}
+
+/* Lanes that the terms up to the second order do not show to be on one side. */
+SKF_INLINE unsigned beyond_quadric(const skf_leaf *leaf, const way_through *w, int v, unsigned *above) {
+  const skf_patch *q = leaf->patch;
+  skf_vd end[3], g[3], u[3], n[3], xx = vd_set(q->bow[0]), yy = vd_set(q->bow[1]), zz = vd_set(q->bow[2]);
+  skf_vd xy = vd_set(q->bow[3]), xz = vd_set(q->bow[4]), yz = vd_set(q->bow[5]), c0 = vd_set(q->c[0]);
+  for (int k = 0; k < 3; k++) end[k] = w->at[k] + w->step[k], g[k] = vd_set(q->lean[k]);
+  const skf_vd *x = w->at;
+  u[0] = vd_fma(xz, x[2], vd_fma(xy, x[1], xx * x[0])), u[1] = vd_fma(yz, x[2], vd_fma(yy, x[1], xy * x[0]));
+  u[2] = vd_fma(zz, x[2], vd_fma(yz, x[1], xz * x[0])), x = end;
+  n[0] = vd_fma(xz, x[2], vd_fma(xy, x[1], xx * x[0])), n[1] = vd_fma(yz, x[2], vd_fma(yy, x[1], xy * x[0]));
+  n[2] = vd_fma(zz, x[2], vd_fma(yz, x[1], xz * x[0]));
+  skf_vd ga = dot(g, w->at), gb = dot(g, end), half = vd_set(0.5), off = w->off + vd_set(q->beyond);
+  skf_vd fa = c0 + ga + dot(u, w->at), fb = c0 + gb + dot(n, end), middle = c0 + half * (ga + gb) + dot(u, end);
+  skf_vd lo = vd_min(fa, vd_min(fb, middle)), hi = vd_max(fa, vd_max(fb, middle));
+  unsigned over = (unsigned)vi_bits(lo > off) << (SKF_LANES * v), under = (unsigned)vi_bits(hi < -off)
+                                                                          << (SKF_LANES * v);
+  *above |= over;
+  return ~(over | under);
+}
+
+SKF_INLINE void go_through(const int n, const skf_packet *p, const skf_leaf *leaf, way_through *w) {
+  const skf_chebyshev *table = skf_octree_table(p->tracer->tree);
+  const skf_restriction *t = n == SKF_DEGREE ? &table->full : &table->low;
+  skf_vd f[SKF_DEGREE + 1];
+  const int many = (n + 1) / 2;
 #pragma GCC unroll 1
-  for (int i = 0; i <= n; i++) {
-    skf_vd u = vd_set(t->place[i]);
-    f[i] = patch_at(n, leaf->patch->c, vd_fma(u, w->step[0], w->at[0]), vd_fma(u, w->step[1], w->at[1]),
-                    vd_fma(u, w->step[2], w->at[2]));
+  for (int i = 0; i <= n; i += many) {
+    skf_vd x[3][PLACES];
+    for (int m = 0; m < many; m++)
+      for (int k = 0; k < 3; k++) x[k][m] = vd_fma(vd_set(t->place[i + m]), w->step[k], w->at[k]);
+    patch_at(n, many, leaf->patch->c, x[0], x[1], x[2], f + i);
   }
   w->c[0] = f[0], w->c[n] = f[n];
   for (int i = 1; i < n; i++) {
@@ -173,7 +201,8 @@ SKF_INLINE void hand_out(const int n, skf_packet *p, const skf_leaf *leaf, int v
                          const patch_root *root, unsigned lanes) {
   int first = SKF_LANES * v;
   skf_vd L = w->b - w->a, per = vd_set(1) / L, c2 = root->c2 * per * per, c3 = root->c3 * per * per * per;
-  skf_vd t = w->a + root->x * L, scale = vd_set(leaf->patch->per), turn[3] = {per, per, per}, d[3], at[3];
+  skf_vd t = w->a + root->x * L, scale = vd_set(leaf->patch->per), turn[3] = {vd_set(0), vd_set(0), vd_set(0)}, d[3],
+         at[3];
   double off = leaf->patch->off.bend;
   bool turns = p->tracer->normals > 0;
   for (int k = 0; k < 3; k++)
@@ -181,7 +210,7 @@ SKF_INLINE void hand_out(const int n, skf_packet *p, const skf_leaf *leaf, int v
   if (turns) patch_turn(n, leaf->patch->c, at, d, turn);
   for (; lanes; lanes &= lanes - 1) {
     int k = __builtin_ctz(lanes), lane = first + k;
-    skf_bow bow = {c2[k], c3[k], off, {turn[0][k], turn[1][k], turn[2][k]}, turns ? off : INFINITY};
+    skf_bow bow = {c2[k], c3[k], off, {turn[0][k], turn[1][k], turn[2][k]}, turns ? off : leaf->bend};
     skf_knot a = {.t = w->a[k], .f = w->c[0][k]}, b = {.t = w->b[k], .f = w->c[n][k]};
     skf_walk quick = {.origin = {p->o[0][lane], p->o[1][lane], p->o[2][lane]},
                       .direction = {p->d[0][lane], p->d[1][lane], p->d[2][lane]},
@@ -221,9 +250,12 @@ SKF_INLINE void in_patch(const int n, skf_packet *p, const skf_leaf *leaf, const
   for (int v = 0; v < VECTORS; v++) {
     way_through w;
     int at = SKF_LANES * v;
-    unsigned left = lanes & beyond_plane(p, leaf, s, v, &above);
+    unsigned left = lanes & (((1u << SKF_LANES) - 1) << at);
     if (!left) continue;
-    go_through(n, p, leaf, s, v, &w);
+    step_in(p, leaf, s, v, &w);
+    left &= beyond_quadric(leaf, &w, v, &above);
+    if (!left) continue;
+    go_through(n, p, leaf, &w);
     skf_vd lo = w.c[0], hi = w.c[0];
     for (int i = 1; i <= n; i++) lo = vd_min(lo, w.c[i]), hi = vd_max(hi, w.c[i]);
     unsigned over = (unsigned)vi_bits(lo > w.off) << at, under = (unsigned)vi_bits(hi < -w.off) << at;

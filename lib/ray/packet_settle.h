@@ -37,7 +37,8 @@ SKF_INLINE void settle_four(const skf_tracer *tracer, skf_room *r, size_t i, siz
   skf_vd length = vd_sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
   vd_store(r->t + i, t);
   vd_store(r->c2 + i, zero), vd_store(r->c3 + i, zero); /* beside the next place all is known by its bounds */
-  vd_store(r->off + i, bend), vd_store(r->loose + i, vd_set(INFINITY));
+  vd_store(r->off + i, bend), vd_store(r->loose + i, bend);
+  for (int k = 0; k < 3; k++) vd_store(r->turn[k] + i, zero);
   unsigned ends = (unsigned)vi_bits(end);
   for (size_t k = 0; k < SKF_LANES && i + k < m; k++) {
     done[i + k] = ends >> k & 1;

@@ -73,7 +73,7 @@ static bool isolate(int n, const double coefficients[N + 1], double off, double 
 static void emit(skf_packet *p, int lane, const skf_leaf *leaf, double start, double L, const crossing *r) {
   skf_knot a = {.t = start + r->a * L, .f = r->fa}, b = {.t = start + r->b * L, .f = r->fb};
   double per = 1 / L;
-  skf_bow bow = {r->c2 * per * per, r->c3 * per * per * per, leaf->patch->off.bend, .loose = INFINITY};
+  skf_bow bow = {r->c2 * per * per, r->c3 * per * per * per, leaf->patch->off.bend, .loose = leaf->bend};
   skf_packet_lane(p, lane)->bow = &bow;
   skf_packet_found(p, lane, leaf, &a, &b, start + r->root * L);
   p->walk[lane].bow = NULL;

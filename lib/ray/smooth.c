@@ -85,7 +85,7 @@ skf_smooth_kind skf_smooth_examine(const skf_smooth *t, const skf_smooth_cell *c
   skf_margin off;
   outlook o = look_out(t, c, above, kept, &far, &off);
   skf_model_halve(&t->table, &above->model, c->child, m);
-  double swing = skf_model_swing(m, 0), rounding = 1e-14 * m->off.size;
+  double swing = skf_model_swing(&t->table, m, 0), rounding = 1e-14 * m->off.size;
   double wide = swing + m->off.value + rounding, middle = m->c[0];
   if (middle + wide + o.hi < t->iso) return SKF_SMOOTH_OUTSIDE;
   if (middle - wide + o.lo > t->iso) return SKF_SMOOTH_INSIDE;
@@ -93,12 +93,13 @@ skf_smooth_kind skf_smooth_examine(const skf_smooth *t, const skf_smooth_cell *c
     if (!(o.off.value < INFINITY)) return SKF_SMOOTH_BARE;
     skf_model all = *m;
     if (!sample(t, c, kept, above->count, &o.off, &all)) return SKF_SMOOTH_LOST;
-    swing = skf_model_swing(&all, 0);
+    swing = skf_model_swing(&t->table, &all, 0);
     double over = fabs(all.c[0] - t->iso) - swing - all.off.value - rounding;
     if (over > 0) return all.c[0] < t->iso ? SKF_SMOOTH_OUTSIDE : SKF_SMOOTH_INSIDE;
-    double error = all.off.value + skf_model_swing(&all, SKF_DEGREE);
+    double error = all.off.value + skf_model_swing(&t->table, &all, SKF_DEGREE);
     if (c->last || error <= TOLERANCE * swing + 2 * m->off.value) { /* the far part's error does not shrink */
-      shape(t, c, &all, skf_model_swing(&all, SKF_LOW_DEGREE) <= (t->few ? LEAST_OF_FEW : LEAST) * swing, patch);
+      shape(t, c, &all, skf_model_swing(&t->table, &all, SKF_LOW_DEGREE) <= (t->few ? LEAST_OF_FEW : LEAST) * swing,
+            patch);
       return SKF_SMOOTH_LEAF;
     }
   }

@@ -13,6 +13,9 @@ typedef struct skf_patch {
   int degree;
   double per; /* 1 / half */
   skf_margin off;
+  /* The terms of the first order, x, y, z, and of the second, xx, yy, zz and half of xy, xz, yz; what the others can
+     amount to */
+  double lean[3], bow[6], beyond;
 } skf_patch;
 
 /* What is known of a branch beside its place. */

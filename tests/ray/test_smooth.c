@@ -77,7 +77,7 @@ static void margins(void **unused) {
       skf_vec3 on = skf_primitive_point(&e[cell % ELEMENTS].primitive, 0.4, 0.3);
       skf_vec3 p = v3_mad(on, scale * rnd(&state, 0.1, 0.8), rnd_unit(&state));
       skf_smooth s = {.field = f, .sources = sources, .iso = skf_field_at(f, p, NULL), .noise = 1e-15};
-      skf_chebyshev_init(&s.table, 1e-8);
+      skf_chebyshev_init(&s.table, skf_isa_pick(), 1e-8);
       skf_far_part *above = calloc(1, sizeof *above + ELEMENTS * sizeof(uint32_t));
       above->count = ELEMENTS;
       for (uint32_t i = 0; i < ELEMENTS; i++) above->list[i] = i;
