@@ -323,9 +323,8 @@ SKF_API skf_status skf_runner_fly(skf_runner *runner, const skf_run_sink *sink, 
                                   skf_run_failure *failure);
 /* One report a particle, for the process of rank 0; SKF_OK but for what the team returns. */
 SKF_API skf_status skf_runner_reports(const skf_runner *runner, skf_flight_report *reports);
-/* The same for closest approaches up to the first contact, but not after t_end: particle i's to body b is out[i *
-   bodies
-   + b], NAN in a run of no time. SKF_ERR_ARG without option `approach`. */
+/* The same for closest approaches up to the first contact, but not after t_end: out[i * bodies + b] is that of particle
+   i to body b, NAN in a run of no time. SKF_ERR_ARG without option `approach`. */
 SKF_API skf_status skf_runner_approaches(const skf_runner *runner, skf_approach *out);
 /* Everything that the rest of the run depends on, as bytes for the same build of the library, about 1.9 kB a particle
    with the default integrator, and 56 bytes for each row that waits; what has been delivered is not among them. A

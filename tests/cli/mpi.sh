@@ -58,7 +58,7 @@ bins= formats=csv
 has geographiclib && bins="--contact-bins bins.csv"
 has hdf5 && formats="csv h5"
 for f in $formats; do
-  run simulate rain.yaml -o whole.$f --contacts whole-hits.csv --json $bins
+  run simulate rain.yaml -o whole.$f --contacts whole-hits.csv --approach whole-near.csv --json $bins
   expect_status "one process, $f" 0
   cp "$kept/out" whole.json
   cp "$kept/err" whole.err
@@ -66,10 +66,11 @@ for f in $formats; do
   counts="1 2 3 4"
   [ $f = csv ] || counts=3
   for n in $counts; do
-    runs share $n simulate rain.yaml -o run.$f --contacts hits.csv --json $bins
+    runs share $n simulate rain.yaml -o run.$f --contacts hits.csv --approach near.csv --json $bins
     expect_status "$n processes, $f" 0
     expect_same "the same rows" whole.$f run.$f
     expect_same "the same contacts" whole-hits.csv hits.csv
+    expect_same "the same approaches" whole-near.csv near.csv
     [ -z "$bins" ] || expect_same "the same bins" whole-bins.csv bins.csv
     expect_same "the same summary" whole.json out
     expect "the same words" cmp whole.err "$kept/err"
