@@ -68,14 +68,28 @@ static bool in_range(const skf_range *a, double x) {
   return !a || ((a->open ? x > a->lowest : x >= a->lowest) && x <= a->highest);
 }
 
+/* A number without anything to say about it, which nearly all of them are. */
+static bool is_good(const skf_reader *r, const skf_node *node, const skf_key *key, double *x) {
+  if (node->type != SKF_NODE_SCALAR || !node->plain) return false;
+  const char *text = skf_node_text(&r->yaml, node);
+  size_t used;
+  return skf_number_read(text, &used, x) == SKF_OK && !text[used] && in_range(key->range, *x);
+}
+
+static double number_of(const skf_key *key, double x) {
+  if (key->type != SKF_KEY_ANGLE) return x;
+  return x == 360 ? 2 * SKF_PI : x * (SKF_PI / 180);
+}
+
 skf_status skf_read_number(skf_reader *r, const skf_node *node, const skf_key *key, double *out) {
   char text_of_form[64];
+  double x;
+  if (is_good(r, node, key, &x)) return *out = number_of(key, x), SKF_OK;
   const char *form = key->form ? key->form : number_form(key->range, text_of_form, sizeof text_of_form);
   skf_status s = skf_expect(r, node, SKF_NODE_SCALAR, key->name, form);
   if (s) return s;
   const char *text = skf_node_text(&r->yaml, node);
   size_t used;
-  double x;
   s = skf_number_read(text, &used, &x);
   if (s == SKF_OK && (text[used] || !node->plain)) s = SKF_ERR_PARSE;
   if (s == SKF_ERR_PARSE) {
@@ -83,12 +97,8 @@ skf_status skf_read_number(skf_reader *r, const skf_node *node, const skf_key *k
     return skf_error_set(r->error, s, node->line, "%s is %s%s, expected %s%s", key->name, quoted ? "the text " : "",
                          skf_quote(text).text, form, quoted ? " without quotes" : "");
   }
-  if (s == SKF_ERR_RANGE || !in_range(key->range, x))
-    return skf_error_set(r->error, SKF_ERR_RANGE, node->line, "%s is %s, expected %s", key->name, skf_show(text).text,
-                         form);
-  if (key->type == SKF_KEY_ANGLE) x = x == 360 ? 2 * SKF_PI : x * (SKF_PI / 180);
-  *out = x;
-  return SKF_OK;
+  return skf_error_set(r->error, SKF_ERR_RANGE, node->line, "%s is %s, expected %s", key->name, skf_show(text).text,
+                       form);
 }
 
 static skf_status read_three(skf_reader *r, const skf_node *node, const skf_key *key, double x[3]) {
@@ -156,6 +166,9 @@ skf_status skf_read_name(skf_reader *r, const skf_node *node, const skf_key *key
 
 skf_status skf_read_choice(skf_reader *r, const skf_node *node, const char *name, const char *const *choices, int n,
                            int *out) {
+  const char *text = node->type == SKF_NODE_SCALAR ? skf_node_text(&r->yaml, node) : NULL;
+  for (int i = 0; text && i < n; i++)
+    if (strcmp(text, choices[i]) == 0) return *out = i, SKF_OK;
   char form[160] = "one of";
   for (int i = 0; i < n; i++) {
     size_t used = strlen(form);
@@ -163,9 +176,6 @@ skf_status skf_read_choice(skf_reader *r, const skf_node *node, const char *name
   }
   skf_status s = skf_expect(r, node, SKF_NODE_SCALAR, name, form);
   if (s) return s;
-  const char *text = skf_node_text(&r->yaml, node);
-  for (int i = 0; i < n; i++)
-    if (strcmp(text, choices[i]) == 0) return *out = i, SKF_OK;
   return skf_error_set(r->error, SKF_ERR_PARSE, node->line, "%s is %s, expected %s", name, skf_quote(text).text, form);
 }
 
@@ -212,10 +222,12 @@ static skf_status missing_key(skf_reader *r, const skf_node *map, const skf_sect
 
 skf_status skf_read_map(skf_reader *r, const skf_node *map, const skf_section *section, void *into, unsigned *given) {
   unsigned seen = 0;
-  char form[96];
-  snprintf(form, sizeof form, "a mapping with '%s'", section->keys[0].name);
-  skf_status s = skf_expect(r, map, SKF_NODE_MAP, section->name, form);
-  if (s) return s;
+  skf_status s;
+  if (map->type != SKF_NODE_MAP) {
+    char form[96];
+    snprintf(form, sizeof form, "a mapping with '%s'", section->keys[0].name);
+    return skf_expect(r, map, SKF_NODE_MAP, section->name, form);
+  }
   const skf_node *key = skf_node_first(&r->yaml, map);
   while (key) {
     const skf_node *value = skf_node_next(&r->yaml, key);
