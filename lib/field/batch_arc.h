@@ -105,9 +105,9 @@ typedef struct open_arc_row {
   skf_vd rho2, twice, twice2, twice_C, twice_S, S2, F, g, g2, rise; /* g2 = 2 g, rise = 2 twice^2 g */
 } open_arc_row;
 
-static double *open_arc_pack(const skf_prepared *e, double *k) {
+static double *open_arc_pack_by(const skf_prepared *e, double s, double *k) {
   const skf_arc_plan *a = &e->plan.arc;
-  double s = e->kernel.param, C = a->cos_half, S = a->sin_half, rho = s * a->radius;
+  double C = a->cos_half, S = a->sin_half, rho = s * a->radius;
   k = arc_pack(e, k);
   k = pack3(k, v3_scale(s, v3_add(v3_scale(C, a->e), v3_scale(S, a->f))));
   k = pack3(k, v3_scale(s, v3_sub(v3_scale(C, a->f), v3_scale(S, a->e))));
@@ -118,16 +118,20 @@ static double *open_arc_pack(const skf_prepared *e, double *k) {
   return pack1(pack1(pack1(pack1(k, -g), g), 2 * g), 8 * rho * rho * g);
 }
 
-typedef struct cauchy_arc_state {
+static double *open_arc_pack(const skf_prepared *e, double *k) { return open_arc_pack_by(e, e->kernel.param, k); }
+
+typedef struct open_arc_state {
   skf_vd p, t, z, k2, a, dot, D2, WW, D, per_WW, per_D2, per_k2;
   skf_vd offset, delta; /* set in the middle, delta a tangent at first; then D becomes 1 / D */
   skf_vi good;
-} cauchy_arc_state;
+} open_arc_state;
+typedef open_arc_state cauchy_arc_state;
 
-SKF_INLINE void cauchy_arc_begin(const open_arc_row *c, skf_v3d x, cauchy_arc_state *s) {
+/* W = least + r^2, r scaled by s */
+SKF_INLINE void open_arc_begin(const open_arc_row *c, skf_v3d x, double least, open_arc_state *s) {
   skf_v3d d = vd3_sub(x, c->at.center);
-  skf_vd p = vd3_dot(d, c->m), t = vd3_dot(d, c->t), z = vd3_dot(d, c->n), one = vd_set(1);
-  skf_vd k2 = vd_fma(p, p, t * t), q = vd_fma(z, z, one), rest = k2 + c->rho2, w = k2 - c->rho2, a = q + rest;
+  skf_vd p = vd3_dot(d, c->m), t = vd3_dot(d, c->t), z = vd3_dot(d, c->n);
+  skf_vd k2 = vd_fma(p, p, t * t), q = vd_fma(z, z, vd_set(least)), rest = k2 + c->rho2, w = k2 - c->rho2, a = q + rest;
   skf_vd D2 = vd_fma(w, w, q * (a + rest)), dot = vd_fms(a, c->at.C, c->twice * p), WW = vd_fma(dot, dot, D2 * c->S2);
   skf_vd a2 = a * a;
   s->p = p, s->t = t, s->z = z, s->k2 = k2, s->a = a, s->dot = dot;
@@ -136,25 +140,27 @@ SKF_INLINE void cauchy_arc_begin(const open_arc_row *c, skf_v3d x, cauchy_arc_st
   s->D2 = D2, s->WW = WW;
 }
 
-SKF_INLINE void cauchy_arc_turn(const open_arc_row *c, cauchy_arc_state *s) {
+SKF_INLINE void cauchy_arc_begin(const open_arc_row *c, skf_v3d x, open_arc_state *s) { open_arc_begin(c, x, 1, s); }
+
+SKF_INLINE void open_arc_turn(const open_arc_row *c, open_arc_state *s) {
   skf_vd one = vd_set(1);
   (void)c;
   s->D = vd_sqrt(s->D2), s->per_WW = one / s->WW, s->per_D2 = one / s->D2, s->per_k2 = one / s->k2;
 }
 
-SKF_INLINE void cauchy_arc_middle(const open_arc_row *c, cauchy_arc_state *s) {
+SKF_INLINE void open_arc_middle(const open_arc_row *c, open_arc_state *s) {
   skf_vangle angle = vd_angle_parts(s->D * c->at.S, s->dot);
   s->offset = angle.offset, s->delta = angle.top / angle.bottom;
   s->D *= s->per_D2;
 }
 
-SKF_INLINE void cauchy_arc_series(const open_arc_row *c, cauchy_arc_state *s) {
+SKF_INLINE void open_arc_series(const open_arc_row *c, open_arc_state *s) {
   (void)c;
   s->delta = vd_angle_series(s->offset, s->delta) * s->D;
 }
 
 /* I1 and I2 by halves */
-SKF_INLINE skf_vvalue cauchy_arc_end(const open_arc_row *c, const cauchy_arc_state *s) {
+SKF_INLINE skf_vvalue cauchy_arc_end(const open_arc_row *c, const open_arc_state *s) {
   skf_vd p = s->p, t = s->t, a = s->a, per_W = s->per_WW, per_D2 = s->per_D2, I1 = s->delta;
   skf_vd pS = c->twice_S * p, tS = c->twice_S * t, tC = c->twice_C * t, g = vd_fnma(c->twice_C, p, a);
   skf_vd ends = vd_fms(pS, g, tC * tS) * per_W, I2 = vd_fma(a, I1, ends) * per_D2;
@@ -187,7 +193,7 @@ SKF_INLINE skf_vvalue cauchy_circle(const arc_row *c, skf_v3d x) {
   return cauchy_gather(c, &f, &p, second, second, fourth, fourth, vd_set(SKF_PI / 8), vd_set(0), vi_set(-1));
 }
 
-SKF_BATCH_CROSSED(cauchy_arc, open_arc, cauchy_arc_close, cauchy_arc_turn, cauchy_arc_middle, cauchy_arc_series)
+SKF_BATCH_CROSSED(cauchy_arc, open_arc, cauchy_arc_close, open_arc_turn, open_arc_middle, open_arc_series)
 SKF_BATCH_FORM(cauchy_circle, arc, skf_again_none)
 
 #endif
