@@ -29,16 +29,27 @@ typedef struct segment_view {
   skf_vd n0, n1, n2; /* squared lengths */
 } segment_view;
 
+/* Returns whether the end is the nearer one. */
+SKF_INLINE skf_vi segment_look(const segment_row *c, skf_v3d x, segment_view *f) {
+  skf_v3d d0 = vd3_sub(x, c->from), d1 = vd3_sub(x, c->to);
+  skf_vd n0 = vd3_dot(d0, d0), n1 = vd3_dot(d1, d1);
+  skf_vi near1 = n1 < n0;
+  skf_v3d n = vd3_cross(vd3_select(near1, d1, d0), c->e);
+  f->d0 = d0, f->d1 = d1, f->n = n, f->n0 = n0, f->n1 = n1, f->n2 = vd3_dot(n, n);
+  return near1;
+}
+
+/* Where n needs the points' lower halves; in floats the point is rounded by more. */
+SKF_INLINE skf_vi segment_close(const segment_row *c, const segment_view *f) {
+  skf_vi close = vd_set(256) * f->n2 < vd_min(f->n0, f->n1) * c->L2;
+  return (int)SKF_PICK(1, 0) ? close : vi_set(0);
+}
+
 SKF_INLINE segment_view segment_see(const segment_row *c, skf_v3d x) {
-  segment_view f = {.d0 = vd3_sub(x, c->from), .d1 = vd3_sub(x, c->to)};
-  f.n0 = vd3_dot(f.d0, f.d0), f.n1 = vd3_dot(f.d1, f.d1);
-  skf_vi near1 = f.n1 < f.n0;
-  skf_v3d d = vd3_select(near1, f.d1, f.d0);
-  f.n = vd3_cross(d, c->e);
-  f.n2 = vd3_dot(f.n, f.n);
-  skf_vi close = vd_set(256) * f.n2 < vd_min(f.n0, f.n1) * c->L2;
-  if ((int)SKF_PICK(1, 0) && vi_any(close)) { /* in floats the point is rounded by more */
-    skf_v3d lo = vd3_lost(x, vd3_select(near1, c->to, c->from), d);
+  segment_view f;
+  skf_vi near1 = segment_look(c, x, &f), close = segment_close(c, &f);
+  if (vi_any(close)) {
+    skf_v3d d = vd3_select(near1, f.d1, f.d0), lo = vd3_lost(x, vd3_select(near1, c->to, c->from), d);
     f.n = vd3_select(close, vd3_add(f.n, vd3_add(vd3_cross(lo, c->e), vd3_cross(d, c->e_lo))), f.n);
     f.n2 = vd3_dot(f.n, f.n);
   }

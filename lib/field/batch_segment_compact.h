@@ -21,26 +21,44 @@ SKF_INLINE skf_vd power_exact(skf_vd R, skf_v3d x, skf_v3d at, skf_v3d d) {
   return last + vd_fnma(vd_set(2), vd3_dot(d, lo), low);
 }
 
-SKF_INLINE clip_view segment_clip(const segment_row *c, const segment_view *f, skf_v3d x, bool exact) {
+/* In three steps, each up to a root or a quotient */
+SKF_INLINE void clip_begin(const segment_row *c, const segment_view *f, clip_view *v) {
+  skf_vd R2 = c->param2;
+  v->t0 = -vd3_dot(f->d0, c->a), v->t1 = -vd3_dot(f->d1, c->a), v->q0 = R2 - f->n0, v->q1 = R2 - f->n1;
+  v->near = vd_set(1024) * vd_min(vd_abs(v->q0), vd_abs(v->q1)) < R2;
+  v->h2 = f->n2 * c->per_L2, v->h = vd_sqrt(v->h2);
+}
+
+SKF_INLINE void clip_chord(const segment_row *c, clip_view *v) {
   skf_vd R = c->param, R2 = c->param2, zero = vd_set(0);
-  clip_view v = {.t0 = -vd3_dot(f->d0, c->a), .t1 = -vd3_dot(f->d1, c->a), .q0 = R2 - f->n0, .q1 = R2 - f->n1};
-  v.near = vd_set(1024) * vd_min(vd_abs(v.q0), vd_abs(v.q1)) < R2;
-  if (exact) v.q0 = power_exact(R, x, c->from, f->d0), v.q1 = power_exact(R, x, c->to, f->d1), v.near = vi_set(0);
-  v.h2 = f->n2 * c->per_L2, v.h = vd_sqrt(v.h2);
-  v.in0 = v.q0 > zero, v.in1 = v.q1 > zero;
-  skf_vd T0 = vd_fma(v.t0, v.t0, v.q0), T1 = vd_fma(v.t1, v.t1, v.q1), Th = (R - v.h) * (R + v.h);
-  skf_vd T2 = vd_select(v.in0, T0, vd_select(v.in1, T1, Th));
-  v.some = (T2 > zero) & (v.in0 | (v.t0 < zero)) & (v.in1 | (v.t1 > zero));
-  v.T = vd_sqrt(vd_select(v.some, T2, R2));
-  skf_vd s0 = v.T + vd_abs(v.t0), s1 = v.T + vd_abs(v.t1), inv = vd_set(1) / (s0 * s1);
-  skf_vd k0 = v.q0 * (s1 * inv), k1 = v.q1 * (s0 * inv); /* q = (T - t)(T + t) */
-  skf_vi back0 = v.t0 < zero, back1 = v.t1 < zero;
-  v.gap_lo = vd_select(v.in0, vd_select(back0, k0, s0), zero);
-  v.gap_hi = vd_select(v.in1, vd_select(back1, s1, k1), zero);
+  v->in0 = v->q0 > zero, v->in1 = v->q1 > zero;
+  skf_vd T0 = vd_fma(v->t0, v->t0, v->q0), T1 = vd_fma(v->t1, v->t1, v->q1), Th = (R - v->h) * (R + v->h);
+  skf_vd T2 = vd_select(v->in0, T0, vd_select(v->in1, T1, Th));
+  v->some = (T2 > zero) & (v->in0 | (v->t0 < zero)) & (v->in1 | (v->t1 > zero));
+  v->T = vd_sqrt(vd_select(v->some, T2, R2));
+}
+
+SKF_INLINE void clip_end(const segment_row *c, clip_view *v) {
+  skf_vd zero = vd_set(0), s0 = v->T + vd_abs(v->t0), s1 = v->T + vd_abs(v->t1), inv = vd_set(1) / (s0 * s1);
+  skf_vd k0 = v->q0 * (s1 * inv), k1 = v->q1 * (s0 * inv); /* q = (T - t)(T + t) */
+  skf_vi back0 = v->t0 < zero, back1 = v->t1 < zero;
+  v->gap_lo = vd_select(v->in0, vd_select(back0, k0, s0), zero);
+  v->gap_hi = vd_select(v->in1, vd_select(back1, s1, k1), zero);
   skf_vd above0 = vd_select(back0, s0, k0), below1 = vd_select(back1, k1, s1);
-  v.length = vd_select(v.in0, vd_select(v.in1, c->L, above0), vd_select(v.in1, below1, v.T + v.T));
-  v.some &= v.length > zero;
-  v.lo = vd_select(v.in0, v.t0, -v.T), v.hi = vd_select(v.in1, v.t1, v.T);
+  v->length = vd_select(v->in0, vd_select(v->in1, c->L, above0), vd_select(v->in1, below1, v->T + v->T));
+  v->some &= v->length > zero;
+  v->lo = vd_select(v->in0, v->t0, -v->T), v->hi = vd_select(v->in1, v->t1, v->T);
+}
+
+SKF_INLINE clip_view segment_clip(const segment_row *c, const segment_view *f, skf_v3d x, bool exact) {
+  clip_view v;
+  clip_begin(c, f, &v);
+  if (exact) {
+    v.q0 = power_exact(c->param, x, c->from, f->d0), v.q1 = power_exact(c->param, x, c->to, f->d1);
+    v.near = vi_set(0);
+  }
+  clip_chord(c, &v);
+  clip_end(c, &v);
   return v;
 }
 
@@ -51,39 +69,59 @@ SKF_INLINE skf_vvalue clip_result(const segment_row *c, const segment_view *f, c
   return (skf_vvalue){F, segment_gradient(c, f, g, ends), ~v->near & (f->n0 + f->n1 < vd_set(INFINITY))};
 }
 
+typedef struct compact_segment_state {
+  segment_view f;
+  clip_view v;
+} compact_segment_state;
+
 /* m^2 (c2 + c3 m), m = 1 - r^2 / R^2 */
-SKF_INLINE skf_vvalue polynomial_segment(const segment_row *c, skf_v3d x, double c2, double c3, bool exact) {
-  segment_view f = segment_see(c, x);
-  clip_view v = segment_clip(c, &f, x, exact);
+SKF_INLINE skf_vvalue polynomial_clipped(const segment_row *c, const compact_segment_state *s, double c2, double c3) {
+  const segment_view *f = &s->f;
+  const clip_view *v = &s->v;
   skf_vd zero = vd_set(0), F = zero, g = zero, ends = zero, C2 = vd_set(c2), C3 = vd_set(c3);
-  if (!vi_any(v.some)) return clip_result(c, &f, &v, F, g, ends);
-  skf_vd half = vd_set(0.5) * v.length, per_R2 = c->per_param * c->per_param;
+  skf_vd half = vd_set(0.5) * v->length, per_R2 = c->per_param * c->per_param;
   int n = c3 == 0 ? 3 : 4; /* exact */
   const skf_gauss_node *node = skf_gauss_rule(n);
 #pragma GCC unroll 4
   for (int j = 0; j < n; j++) {
-    skf_vd up = vd_fma(half, vd_set(1 - node[j].x), v.gap_hi), down = vd_fma(half, vd_set(1 + node[j].x), v.gap_lo);
+    skf_vd up = vd_fma(half, vd_set(1 - node[j].x), v->gap_hi), down = vd_fma(half, vd_set(1 + node[j].x), v->gap_lo);
     skf_vd m = up * down * per_R2, wm = vd_set(node[j].w) * m;
     F = vd_fma(wm * m, vd_fma(C3, m, C2), F);
     g = vd_fma(wm, vd_fma(vd_set(3) * C3, m, vd_set(2) * C2), g);
   }
-  skf_vd m0 = vd_max(v.q0, zero) * per_R2, m1 = vd_max(v.q1, zero) * per_R2;
-  skf_vd dm = vd_select(v.in0 & v.in1, c->L * (v.t0 + v.t1) * per_R2, m0 - m1), sum = m0 + m1;
+  skf_vd m0 = vd_max(v->q0, zero) * per_R2, m1 = vd_max(v->q1, zero) * per_R2;
+  skf_vd dm = vd_select(v->in0 & v->in1, c->L * (v->t0 + v->t1) * per_R2, m0 - m1), sum = m0 + m1;
   ends = dm * vd_fma(C3, vd_fma(sum, sum, -(m0 * m1)), C2 * sum);
-  return clip_result(c, &f, &v, half * F, vd_set(-2) * per_R2 * half * g, ends);
+  return clip_result(c, f, v, half * F, vd_set(-2) * per_R2 * half * g, ends);
 }
 
-SKF_OUTLINE skf_vvalue quartic_segment(const segment_row *c, skf_v3d x) {
-  return polynomial_segment(c, x, 1, 0, false);
+/* Next to the axis and to the rim another time */
+SKF_INLINE void compact_segment_begin(const segment_row *c, skf_v3d x, compact_segment_state *s) {
+  segment_look(c, x, &s->f);
+  clip_begin(c, &s->f, &s->v);
+  s->v.near |= segment_close(c, &s->f);
 }
-SKF_OUTLINE skf_vvalue quartic_segment_rim(const segment_row *c, skf_v3d x) {
-  return polynomial_segment(c, x, 1, 0, true);
+SKF_INLINE void compact_segment_chord(const segment_row *c, compact_segment_state *s) { clip_chord(c, &s->v); }
+SKF_INLINE void compact_segment_clip(const segment_row *c, compact_segment_state *s) { clip_end(c, &s->v); }
+
+SKF_INLINE skf_vvalue polynomial_rim(const segment_row *c, skf_v3d x, double c2, double c3) {
+  compact_segment_state s = {.f = segment_see(c, x)};
+  s.v = segment_clip(c, &s.f, x, true);
+  return polynomial_clipped(c, &s, c2, c3);
 }
-SKF_OUTLINE skf_vvalue soft_object_segment(const segment_row *c, skf_v3d x) {
-  return polynomial_segment(c, x, 5. / 9, 4. / 9, false);
+
+typedef compact_segment_state quartic_segment_state, soft_object_segment_state;
+#define quartic_segment_begin     compact_segment_begin
+#define soft_object_segment_begin compact_segment_begin
+SKF_INLINE skf_vvalue quartic_segment_end(const segment_row *c, const compact_segment_state *s) {
+  return polynomial_clipped(c, s, 1, 0);
 }
+SKF_INLINE skf_vvalue soft_object_segment_end(const segment_row *c, const compact_segment_state *s) {
+  return polynomial_clipped(c, s, 5. / 9, 4. / 9);
+}
+SKF_OUTLINE skf_vvalue quartic_segment_rim(const segment_row *c, skf_v3d x) { return polynomial_rim(c, x, 1, 0); }
 SKF_OUTLINE skf_vvalue soft_object_segment_rim(const segment_row *c, skf_v3d x) {
-  return polynomial_segment(c, x, 5. / 9, 4. / 9, true);
+  return polynomial_rim(c, x, 5. / 9, 4. / 9);
 }
 
 /* A part of the segment in the metaball's shell: R / 3 <= r <= R from abscissa a to b; gaps to the ends of the chord.
@@ -185,8 +223,10 @@ SKF_INLINE skf_vvalue metaball_clipped(const segment_row *c, skf_v3d x, bool exa
   return clip_result(c, &f, &v, s.F, s.g, shell_ends(c, &v, r0, r1));
 }
 
-SKF_BATCH_FORM(quartic_segment, segment, quartic_segment_rim)
-SKF_BATCH_FORM(soft_object_segment, segment, soft_object_segment_rim)
+SKF_BATCH_STAGED(quartic_segment, segment, quartic_segment_rim, compact_segment_chord, compact_segment_clip,
+                 skf_stage_none)
+SKF_BATCH_STAGED(soft_object_segment, segment, soft_object_segment_rim, compact_segment_chord, compact_segment_clip,
+                 skf_stage_none)
 
 #ifndef SKF_VEC_FLOAT /* floats leave twice the error that they may */
 SKF_OUTLINE skf_vvalue metaball_segment(const segment_row *c, skf_v3d x) { return metaball_clipped(c, x, false); }
