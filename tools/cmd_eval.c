@@ -128,9 +128,10 @@ const cli_command cmd_eval = {
     "     F(p) = sum of strength times the integral of the kernel over the primitive, g its gradient;\n"
     "     --tensor adds hxx,hxy,hxz,hyy,hyz,hzz. F is inf where the field is infinite.\n"
     "     --accuracy A, from 1e-12 to 0.01, is for large skeletons: 4000 or more primitives of one kernel\n"
-    "     (inverse, inverse-squared, cauchy) are summed by expansions, F to A times the sum of its absolute\n"
-    "     terms. Without it this happens to 1e-12 at 100000 points or more (not with --tensor) in bodies of\n"
-    "     20000 primitives or more (50000 if they are points); else, and with --accuracy exact, every primitive is\n"
-    "     added up, to rounding.\n"
+    "     (inverse, inverse-squared, cauchy) are summed by expansions, and narrow gaussian ones where they matter,\n"
+    "     F to A times the sum of its absolute terms. Without it this happens to 1e-12 at 100000 points or more\n"
+    "     (not with --tensor) in bodies of 5000 inverse or gaussian primitives or more (12500 if they are points;\n"
+    "     four times as many of the other two); else, and with --accuracy exact, every primitive is added up, to\n"
+    "     rounding.\n"
     "example: skelfield eval data/donut.yaml points.csv -o field.csv",
     run};

@@ -22,15 +22,8 @@ static size_t find(const skf_far *f, skf_vec3 p) {
   return f->leaf_of[cell];
 }
 
-/* A block of points in one leaf */
-typedef struct block {
-  size_t n, padded;
-  double p[3][SKF_BATCH];
-  skf_batch_sum sum;
-} block;
-
 /* The harmonics' sum G at x / r^2, x in sides of the cube, and its gradient there, make F = G / r and its own. */
-static void outside(const skf_far *f, const far_leaf *l, block *b, double x[3][SKF_BATCH]) {
+static void outside(const skf_far *f, const far_leaf *l, far_points *b, double x[3][SKF_BATCH]) {
   double r[SKF_BATCH], out[4][SKF_BATCH];
   for (size_t i = 0; i < b->padded; i++) {
     double r2 = x[0][i] * x[0][i] + x[1][i] * x[1][i] + x[2][i] * x[2][i];
@@ -47,7 +40,7 @@ static void outside(const skf_far *f, const far_leaf *l, block *b, double x[3][S
   }
 }
 
-static void sum_block(const skf_far *f, size_t leaf, block *b) {
+static void sum_block(const skf_far *f, size_t leaf, far_points *b) {
   const far_leaf *l = f->leaf + leaf;
   b->padded = (b->n + SKF_BATCH_PAD - 1) / SKF_BATCH_PAD * SKF_BATCH_PAD;
   for (int k = 0; k < 3; k++)
@@ -66,6 +59,7 @@ static void sum_block(const skf_far *f, size_t leaf, block *b) {
     for (int k = 0; k < 4; k++) memset(b->sum.low[k], 0, b->padded * sizeof(double));
   } else
     memset(&b->sum, 0, sizeof b->sum);
+  if (f->narrow) return skf_far_narrow_add(f, b);
   const double *const p[3] = {b->p[0], b->p[1], b->p[2]};
   for (size_t i = 0; i < l->count; i++)
     skf_batch_add(f->batch + f->list[l->first + i], b->n, b->padded, p, &b->sum, false);
@@ -79,7 +73,7 @@ typedef struct job {
 
 /* Points from `from` on in the order of `index`, NULL: as they are. */
 static void do_block(const job *j, size_t leaf, const unsigned *index, size_t from, size_t n) {
-  block b = {.n = n};
+  far_points b = {.n = n};
   double v[SKF_BATCH];
   for (int k = 0; k < 3; k++)
     for (size_t i = 0; i < n; i++) b.p[k][i] = j->p[k][index ? index[from + i] : from + i];
@@ -206,7 +200,7 @@ static void harmonic_hessian(const skf_far *f, const far_leaf *l, skf_vec3 p, do
 }
 
 void skf_far_value(const skf_far *f, skf_vec3 p, int order, skf_value *v) {
-  block b = {.n = 1, .p = {{p.x}, {p.y}, {p.z}}};
+  far_points b = {.n = 1, .p = {{p.x}, {p.y}, {p.z}}};
   size_t leaf = find(f, p);
   double out[4];
   sum_block(f, leaf, &b);
@@ -220,6 +214,7 @@ void skf_far_value(const skf_far *f, skf_vec3 p, int order, skf_value *v) {
     harmonic_hessian(f, l, p, h);
   else if (l->tensor)
     local_hessian(f, l, p, h);
+  if (f->narrow) skf_far_narrow_hessian(f, p, h);
   for (size_t i = 0; i < l->count; i++) {
     const skf_batch *sources = f->batch + f->list[l->first + i];
     for (size_t t = 0; t < sources->tiles; t++)

@@ -5,17 +5,19 @@
 #include <omp.h>
 #include <string.h>
 
-/* How many pieces a leaf may have around it: about what its polynomial costs to make. */
-static size_t around(double accuracy) {
+/* How many pieces a leaf may have around it: about what its expansion costs to make; for Gaussians, leaves a good deal
+   smaller than what reaches them. */
+static size_t around(skf_kernel_type type, double accuracy) {
   double digits = -log10(accuracy);
-  return (size_t)fmax(600, 55 * digits * digits);
+  return type == SKF_GAUSSIAN ? 600 : (size_t)fmax(600, (type == SKF_INVERSE ? 30 : 55) * digits * digits);
 }
 
-/* Cells of targets: at most 256 MiB and 1 KiB for each element. */
-static size_t most_targets(size_t n, double accuracy) {
-  double digits = -log10(accuracy), order = 4 + 3 * digits,
-         tensor = 8 * (order * order * order / 6 + 2 * order * order);
-  return (size_t)((0x1p28 + 0x1p10 * (double)n) / tensor);
+/* Cells of targets: at most 256 MiB and 1 KiB for each element; of Gaussians, that have no tensors, as many as there
+   are. */
+static size_t most_targets(skf_kernel_type type, size_t n, double accuracy) {
+  double digits = -log10(accuracy), order = 4 + 3 * digits;
+  double tensor = type == SKF_INVERSE ? 144 * digits * digits : 8 * (order * order * order / 6 + 2 * order * order);
+  return type == SKF_GAUSSIAN ? n + 4096 : (size_t)((0x1p28 + 0x1p10 * (double)n) / tensor);
 }
 
 /* Without harmonics: Chebyshev points in the cube of the whole, with weights that have its moments: as many along each
@@ -62,7 +64,7 @@ static skf_status outer_harmonics(skf_far *f, const double *whole) {
 
 static skf_status make_batches(skf_far *f, const skf_prepared *elements, const double *whole) {
   far_tree *t = &f->tree;
-  size_t points = f->harmonic ? 0 : (size_t)outer_points(&f->layout), leaves = 0;
+  size_t points = f->harmonic || f->narrow ? 0 : (size_t)outer_points(&f->layout), leaves = 0;
   points = points * points * points;
   for (size_t k = 0; k < t->source_count; k++) leaves += !t->source[k].split;
   f->prepared_count = t->pieces.count + points;
@@ -83,6 +85,7 @@ static skf_status make_batches(skf_far *f, const skf_prepared *elements, const d
     s->first = f->batches++;
   }
   if (f->harmonic) return outer_harmonics(f, whole);
+  if (f->narrow) return SKF_OK;
   return skf_batch_new(f->batch_ops, f->prepared + t->pieces.count, points, f->batch + f->batches++);
 }
 
@@ -104,6 +107,14 @@ static bool list_below(skf_far *f, size_t *capacity, int source) {
   return true;
 }
 
+static bool list_around(skf_far *f, size_t *capacity, const far_target *p) {
+  for (int i = 0; i < 27; i++) {
+    int s = skf_far_tree_find(&f->tree, p->level, p->at[0] + i % 3 - 1, p->at[1] + i / 3 % 3 - 1, p->at[2] + i / 9 - 1);
+    if (s >= 0 && !list_below(f, capacity, s)) return false;
+  }
+  return true;
+}
+
 static bool make_leaves(skf_far *f) {
   const far_tree *t = &f->tree;
   size_t capacity = 0;
@@ -115,25 +126,25 @@ static bool make_leaves(skf_far *f) {
     if (p->child >= 0) continue;
     far_leaf *leaf = f->leaf + f->leaves;
     double side = far_side(t, p->level), per = f->harmonic ? 1 / side : 2 / (FAR_WIDE * side);
-    *leaf = (far_leaf){far_center(t, p->level, p->at), per, f->tensors + k * f->layout.size, f->list_count, 0};
-    for (int i = 0; i < 27; i++) {
-      int s = skf_far_tree_find(t, p->level, p->at[0] + i % 3 - 1, p->at[1] + i / 3 % 3 - 1, p->at[2] + i / 9 - 1);
-      if (s >= 0 && !list_below(f, &capacity, s)) return false;
-    }
+    *leaf = (far_leaf){far_center(t, p->level, p->at), per, f->narrow ? NULL : f->tensors + k * f->layout.size,
+                       f->list_count, 0};
+    if (!f->narrow && !list_around(f, &capacity, p)) return false;
     leaf->count = f->list_count - leaf->first;
     f->leaf_of[k] = (unsigned)f->leaves++;
   }
   const int middle[3] = {1, 1, 1};
   far_leaf *out = f->leaf + f->leaves++;
-  *out = (far_leaf){far_center(t, 0, middle), 1 / t->side, f->whole, f->list_count, f->harmonic ? 0 : 1};
-  if (f->harmonic) return true;
+  *out = (far_leaf){far_center(t, 0, middle), 1 / t->side, f->whole, f->list_count, f->harmonic || f->narrow ? 0 : 1};
+  if (out->count == 0) return true;
   return list_add(f, &capacity, f->batches - 1);
 }
 
 skf_status skf_far_new(const skf_batch_ops *batch_ops, bool vectors, const skf_prepared *elements, size_t n,
                        double accuracy, skf_far **out) {
   *out = NULL;
-  if (n == 0 || !skf_far_kernel(elements->kernel.type)) return SKF_ERR_UNSUPPORTED;
+  const skf_kernel_type type = n ? elements->kernel.type : SKF_KERNEL_COUNT;
+  const bool narrow = type == SKF_GAUSSIAN;
+  if (!narrow && !skf_far_kernel(type)) return SKF_ERR_UNSUPPORTED;
   skf_far *f = skf_alloc(1, sizeof *f);
   double *whole = skf_alloc(far_layout_new(FAR_ORDER).size, sizeof *whole);
   skf_status s = SKF_ERR_NOMEM;
@@ -143,9 +154,10 @@ skf_status skf_far_new(const skf_batch_ops *batch_ops, bool vectors, const skf_p
     if (vectors) f->ops = &skf_far_avx2;
 #endif
     (void)vectors;
-    s = skf_far_tree_build(elements, n, around(accuracy), most_targets(n, accuracy), &f->tree)
-            ? skf_far_expand(f, elements, accuracy, whole)
-            : SKF_ERR_UNSUPPORTED;
+    s = SKF_ERR_UNSUPPORTED;
+    if (skf_far_tree_build(elements, n, around(type, accuracy), most_targets(type, n, accuracy), &f->tree))
+      s = narrow ? skf_far_narrow(f, elements, accuracy) : skf_far_expand(f, elements, accuracy, whole);
+    if (!s && narrow && !skf_far_narrow_pays(f)) s = SKF_ERR_UNSUPPORTED;
     if (!s) s = make_batches(f, elements, whole);
     if (!s && !make_leaves(f)) s = SKF_ERR_NOMEM;
     skf_free(f->tree.pieces.at), f->tree.pieces = (far_pieces){.count = 0};
@@ -159,7 +171,7 @@ void skf_far_free(skf_far *f) {
   if (!f) return;
   for (size_t i = 0; i < f->batches && f->batch; i++) skf_batch_free(f->batch + i);
   skf_far_tree_free(&f->tree);
-  skf_far_harmonic_free(f->harmonic), skf_free(f->whole);
+  skf_far_harmonic_free(f->harmonic), skf_free(f->whole), skf_free(f->narrow), skf_free(f->ball);
   skf_free(f->tensors), skf_free(f->prepared), skf_free(f->batch), skf_free(f->list), skf_free(f->leaf_of);
   skf_free(f->leaf), skf_free(f);
 }
@@ -172,5 +184,6 @@ size_t skf_far_memory(const skf_far *f) {
         columns += f->batch_ops->form[f->batch[i].tile[k].form].columns * SKF_TILE * sizeof(double) + sizeof(skf_tile);
   return sizeof *f + f->tree.target_count * (f->layout.size * sizeof(double) + sizeof(far_target) + sizeof(far_leaf)) +
          f->tree.source_count * sizeof(far_source) + f->prepared_count * sizeof(skf_prepared) +
-         f->list_count * sizeof(unsigned) + columns;
+         f->list_count * sizeof(unsigned) + columns +
+         (f->narrow ? f->tree.source_count * sizeof(far_narrow) + f->prepared_count * sizeof(far_ball) : 0);
 }

@@ -14,6 +14,26 @@ typedef struct far_leaf {
   size_t first, count;
 } far_leaf;
 
+/* Gaussians exp(-s^2 r^2), without expansions: what a cell of sources has, and each piece, in a ball. `weight`: log of
+   the integral of |strength|. */
+typedef struct far_narrow {
+  double weight;
+  skf_box box;
+  size_t first, count; /* of the pieces, where the cell has no children */
+} far_narrow;
+
+typedef struct far_ball {
+  double weight, radius;
+  skf_vec3 center;
+} far_ball;
+
+/* A block of points in one leaf */
+typedef struct far_points {
+  size_t n, padded;
+  double p[3][SKF_BATCH];
+  skf_batch_sum sum;
+} far_points;
+
 struct skf_far {
   far_layout layout;
   far_harmonic *harmonic; /* NULL: the tensors are of polynomials */
@@ -29,9 +49,19 @@ struct skf_far {
   unsigned *list, *leaf_of; /* leaf_of: of each target */
   far_leaf *leaf;           /* the last one stands for all that is outside */
   size_t leaves, list_count;
+  far_narrow *narrow; /* of each cell of sources; NULL: there are expansions */
+  far_ball *ball;     /* of each piece */
+  double s2, limit;   /* s^2; log of the accuracy over the whole's weight */
 };
 
 /* The tree is there; fills tensors and the whole's moments (layout.size). */
 skf_status skf_far_expand(skf_far *far, const skf_prepared *elements, double accuracy, double *whole);
+
+/* What Gaussian cells hold; whether it saves anything to pass over some. */
+skf_status skf_far_narrow(skf_far *far, const skf_prepared *elements, double accuracy);
+bool skf_far_narrow_pays(const skf_far *far);
+/* Adds what matters at each point to its sum; at one point, to the Hessian. */
+void skf_far_narrow_add(const skf_far *far, far_points *points);
+void skf_far_narrow_hessian(const skf_far *far, skf_vec3 p, double h[6]);
 
 #endif

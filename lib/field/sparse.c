@@ -8,9 +8,10 @@ static const skf_box everywhere = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY,
 
 skf_box skf_sparse_reach(const skf_prepared *e) {
   const skf_kernel_info *k = skf_kernel_get(e->kernel.type);
-  if (!k || !k->compact || e->primitive.shape == SKF_PLANE) return everywhere;
+  const bool gaussian = e->kernel.type == SKF_GAUSSIAN; /* exp(-800) is 0 */
+  if (!k || !(k->compact || gaussian) || e->primitive.shape == SKF_PLANE) return everywhere;
   skf_box b = skf_primitive_bounds(&e->primitive);
-  double R = e->kernel.param, size = 0;
+  double R = gaussian ? sqrt(800) / e->kernel.param : e->kernel.param, size = 0;
   for (int i = 0; i < 3; i++) size = fmax(size, fmax(fabs(v3_get(b.lo, i)), fabs(v3_get(b.hi, i))));
   return box_grow(b, R + 1e-9 * (R + size));
 }

@@ -157,7 +157,8 @@ SKF_API void skf_field_free(skf_field *field);
 /* How a field is evaluated; zeros stand for the defaults.
 
    accuracy [1] = 0: every element is summed, to rounding. From 1e-12 to 0.01: 4000 or more elements of one kernel,
-   inverse, inverse-squared or Cauchy with one s, are summed by expansions (a fast multipole method), planes and all
+   inverse, inverse-squared or Cauchy with one s, are summed by expansions (a fast multipole method), of as many
+   Gaussians with one s, where these are narrow next to the skeleton, those that matter at the point; planes and all
    others directly. F is then within accuracy times the sum of |w_i| F_i(p) of the direct sum, the gradient within
    accuracy times the sum of |w_i| max(|grad F_i|, F_i / r_i), r_i being the distance to the element, and each second
    derivative within 30 accuracy times the sum of |w_i| max(|Hessian F_i|, F_i / r_i^2). tests/field/test_tree.c finds a

@@ -15,11 +15,12 @@ static double p[3][POINTS], F[POINTS], g[3][POINTS];
 
 static void make(double scale) {
   uint64_t state = 77;
-  const skf_kernel_type kernels[4] = {SKF_QUARTIC, SKF_SOFT_OBJECT, SKF_METABALL, SKF_CAUCHY};
+  const skf_kernel_type kernels[5] = {SKF_QUARTIC, SKF_SOFT_OBJECT, SKF_METABALL, SKF_GAUSSIAN, SKF_CAUCHY};
   for (int i = 0; i < ELEMENTS; i++) {
     skf_vec3 a = rnd_vec(&state, scale), b = v3_add(a, rnd_vec(&state, 0.1 * scale));
-    skf_element e = {.kernel = {kernels[i % 300 == 7 ? 3 : i % 3], 0.1 * scale}, .strength = rnd(&state, -1, 2)};
-    if (e.kernel.type == SKF_CAUCHY) e.kernel.param = 5 / scale; /* no finite support: in reach everywhere */
+    skf_element e = {.kernel = {kernels[i % 300 == 7 ? 4 : i % 4], 0.1 * scale}, .strength = rnd(&state, -1, 2)};
+    if (e.kernel.type == SKF_CAUCHY) e.kernel.param = 5 / scale;     /* no finite support: in reach everywhere */
+    if (e.kernel.type == SKF_GAUSSIAN) e.kernel.param = 280 / scale; /* exp(-800) is 0 */
     e.primitive = (skf_primitive){.shape = SKF_POINT, .point = {a}};
     if (i % 5 == 1) e.primitive = (skf_primitive){.shape = SKF_SEGMENT, .segment = {a, b}};
     if (i % 5 == 2) e.primitive = (skf_primitive){.shape = SKF_ARC, .arc = {a, {0, 0, 1}, {1, 0, 0}, 0.05 * scale, 2}};

@@ -155,14 +155,33 @@ static void test_layouts(void **state) {
   }
 }
 
-/* The same bits whatever the number of threads, in any order, alone, and by itself. */
-static void test_place(void **state) {
+static void narrow(uint64_t *seed, skf_shape shape, layout where, double scale) {
+  fill(seed, SKF_GAUSSIAN, shape, where, scale, v3(0, 0, 0));
+  for (size_t i = 0; i < count; i++) elements[i].kernel.param = (where == CLUSTERS ? 2000 : 20) / scale;
+  scatter(seed, scale, v3(0, 0, 0));
+}
+
+/* Narrow Gaussians: what is passed over is less than the accuracy of what is left, between them and far away. */
+static void test_narrow(void **state) {
   (void)state;
-  uint64_t seed = 23;
+  static const char *const names[3] = {"gaussian, point", "gaussian, segment", "gaussian, arc"};
+  static const layout layouts[3] = {CLOUD, CLUSTERS, SHELL};
+  uint64_t seed = 29;
+  for (int s = 0; s < 3; s++)
+    for (int l = 0; l < 3; l++) {
+      narrow(&seed, shapes[s], layouts[l], l == 1 ? 1e7 : l == 2 ? 1e-7 : 1);
+      skf_field *f = make(count, 1e-6);
+      assert_false(skf_field_is_direct(f));
+      skf_field_free(f);
+      check_accuracy(names[s], s == 0 ? 1e-12 : 1e-6);
+      check_accuracy(names[s], 1e-3);
+    }
+}
+
+/* The same bits whatever the number of threads, in any order, alone, and by itself. */
+static void check_place(void) {
   static double F2[POINTS], g2[3][POINTS];
   double *const slope[3] = {g[0], g[1], g[2]};
-  fill(&seed, SKF_INVERSE, SKF_SEGMENT, CLOUD, 1, v3(0, 0, 0));
-  scatter(&seed, 1, v3(0, 0, 0));
   int threads = omp_get_max_threads();
   omp_set_num_threads(1);
   skf_field *a = make(ELEMENTS, 1e-3);
@@ -191,6 +210,18 @@ static void test_place(void **state) {
   omp_set_num_threads(threads);
   skf_field_free(a);
   skf_field_free(b);
+}
+
+static void test_place(void **state) {
+  (void)state;
+  uint64_t seed = 23;
+  for (int k = 0; k < 2; k++) {
+    fill(&seed, kernels[k], SKF_SEGMENT, CLOUD, 1, v3(0, 0, 0));
+    scatter(&seed, 1, v3(0, 0, 0));
+    check_place();
+  }
+  narrow(&seed, SKF_SEGMENT, CLOUD, 1);
+  check_place();
 }
 
 /* Small fields, other kernels and fields that did not ask are summed as ever. */
@@ -250,17 +281,22 @@ static void test_memory(void **state) {
   (void)state;
   uint64_t seed = 27;
   double *const slope[3] = {g[0], g[1], g[2]};
-  fill(&seed, SKF_CAUCHY, SKF_POINT, CLOUD, 1, v3(0, 0, 0));
-  scatter(&seed, 1, v3(0, 0, 0));
-  skf_field *f = make(ELEMENTS, 0.01);
-  eval(f, 0, POINTS, F, slope, false);
-  skf_field_free(f);
-  for (long k = 1; k < 400; k += k < 30 ? 5 : 97) {
-    skf_alloc_fail_after(k);
-    skf_status s = skf_field_new_with(elements, ELEMENTS, &(skf_field_options){.accuracy = 0.01}, &f);
-    skf_alloc_fail_after(0);
-    assert_true(s == SKF_OK || (s == SKF_ERR_NOMEM && !f));
+  static const skf_kernel_type each[2] = {SKF_CAUCHY, SKF_INVERSE};
+  for (int i = 0; i < 3; i++) {
+    if (i == 2)
+      narrow(&seed, SKF_POINT, CLOUD, 1);
+    else
+      fill(&seed, each[i], SKF_POINT, CLOUD, 1, v3(0, 0, 0)), scatter(&seed, 1, v3(0, 0, 0));
+    skf_field *f = make(ELEMENTS, 0.01);
+    eval(f, 0, POINTS, F, slope, false);
     skf_field_free(f);
+    for (long k = 1; k < 400; k += k < 30 ? 5 : 97) {
+      skf_alloc_fail_after(k);
+      skf_status s = skf_field_new_with(elements, ELEMENTS, &(skf_field_options){.accuracy = 0.01}, &f);
+      skf_alloc_fail_after(0);
+      assert_true(s == SKF_OK || (s == SKF_ERR_NOMEM && !f));
+      skf_field_free(f);
+    }
   }
 }
 
@@ -268,7 +304,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_pairs), cmocka_unit_test(test_fine),   cmocka_unit_test(test_layouts),
       cmocka_unit_test(test_place), cmocka_unit_test(test_switch), cmocka_unit_test(test_mixed),
-      cmocka_unit_test(test_range), cmocka_unit_test(test_memory),
+      cmocka_unit_test(test_range), cmocka_unit_test(test_memory), cmocka_unit_test(test_narrow),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
