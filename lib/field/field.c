@@ -53,8 +53,8 @@ static skf_status weigh(skf_field *f) {
 }
 
 static bool may_be_far(const skf_prepared *e) {
-  return (skf_far_kernel(e->kernel.type) || e->kernel.type == SKF_GAUSSIAN) && e->primitive.shape != SKF_PLANE && e->strength != 0 && !e->weight &&
-         e->moderate;
+  return (skf_far_kernel(e->kernel.type) || e->kernel.type == SKF_GAUSSIAN) && e->primitive.shape != SKF_PLANE &&
+         e->strength != 0 && !e->weight && e->moderate;
 }
 
 static bool same_kernel(skf_kernel a, skf_kernel b) {
