@@ -90,7 +90,7 @@ static void test_isas(void **state) {
       vector++;
       for (int n = 0; n < 60; n++) {
         double scale = n % 3 == 0 ? 1 : n % 3 == 1 ? 1e7 : 1e-7;
-        skf_element e = {.kernel = {(skf_kernel_type)k, pow(10, rnd(&seed, -3, 3))}, .strength = 1};
+        skf_element e = {.kernel = {(skf_kernel_type)k, pow(10, rnd(&seed, -3, 3))}, .strength = n % 2 ? 0.7 : 1};
         e.kernel.param *= skf_kernel_get(e.kernel.type)->compact ? scale : 1 / scale;
         rnd_primitive(&seed, (skf_shape)s, scale, &e.primitive);
         scatter(&seed, &e.primitive, scale, &a);
