@@ -73,7 +73,7 @@ static bool has_form(skf_kernel_type type, skf_shape at) {
 
 /* The bounds that field.h states */
 static double bound(int shape) {
-  return (shape == SKF_TRIANGLE ? 1000 : shape == SKF_ARC ? 100 : shape == SKF_SEGMENT ? 60 : 20) * 1.1e-16;
+  return (shape == SKF_TRIANGLE ? 1000 : shape == SKF_ARC ? 200 : shape == SKF_SEGMENT ? 60 : 20) * 1.1e-16;
 }
 
 static void test_isas(void **state) {
