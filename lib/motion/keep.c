@@ -5,14 +5,6 @@
 
 static const skf_mover *mover(const skf_swarm *s, size_t i) { return s->bodies + i; }
 
-skf_vec3 skf_mover_spun(const skf_mover *m, const double q[4], skf_vec3 w) {
-  const double *I = m->inertia;
-  skf_vec3 b = quat_turn(q, -1, w);
-  b = v3(I[0] * b.x + I[1] * b.y + I[2] * b.z, I[1] * b.x + I[3] * b.y + I[4] * b.z,
-         I[2] * b.x + I[4] * b.y + I[5] * b.z);
-  return quat_turn(q, 1, b);
-}
-
 double skf_swarm_energy(const skf_swarm *s, const double *y) {
   double E = skf_swarm_potential(s, y);
   for (size_t i = 0; i < s->n; i++) {

@@ -3,13 +3,16 @@
 #include "motion/swarm.h"
 #include <string.h>
 
-skf_vec3 skf_mover_spin(const skf_mover *m, const double q[4], skf_vec3 L) {
-  const double *J = m->inverse;
-  skf_vec3 b = quat_turn(q, -1, L);
-  b = v3(J[0] * b.x + J[1] * b.y + J[2] * b.z, J[1] * b.x + J[3] * b.y + J[4] * b.z,
-         J[2] * b.x + J[4] * b.y + J[5] * b.z);
+/* M v for a symmetric M of the body's frame, of which six are known. */
+static skf_vec3 times(const double M[6], const double q[4], skf_vec3 v) {
+  skf_vec3 b = quat_turn(q, -1, v);
+  b = v3(M[0] * b.x + M[1] * b.y + M[2] * b.z, M[1] * b.x + M[3] * b.y + M[4] * b.z,
+         M[2] * b.x + M[4] * b.y + M[5] * b.z);
   return quat_turn(q, 1, b);
 }
+
+skf_vec3 skf_mover_spin(const skf_mover *m, const double q[4], skf_vec3 L) { return times(m->inverse, q, L); }
+skf_vec3 skf_mover_spun(const skf_mover *m, const double q[4], skf_vec3 w) { return times(m->inertia, q, w); }
 
 skf_attitude skf_mover_at(const skf_swarm *s, const double *y, size_t i) {
   const double *p = y + i * SKF_MOVER_STATE;
