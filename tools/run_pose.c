@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Where bodies are between the rows that a run has kept. */
 #include "run_csv.h"
-#include "core/vec3.h"
+#include "motion/pose.h"
 #include <math.h>
+#include <string.h>
 
 /* A rotation as a vector along its axis, as long as the angle. */
 static skf_vec3 turn_of(const double q[4]) {
@@ -12,28 +13,18 @@ static skf_vec3 turn_of(const double q[4]) {
   return v3_scale((q[0] < 0 ? -1 : 1) * 2 * atan2(s, c) / s, v);
 }
 
-static void quaternion(skf_vec3 turn, double q[4]) {
-  double angle = v3_norm(turn), s = angle > 0 ? sin(angle / 2) / angle : 0.5;
-  q[0] = cos(angle / 2), q[1] = s * turn.x, q[2] = s * turn.y, q[3] = s * turn.z;
-}
-
-static void multiply(const double a[4], const double b[4], double out[4]) {
-  out[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
-  out[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
-  out[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
-  out[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
-}
-
-/* From one attitude to the next, with as many whole turns as the angular velocities make likely. */
-static skf_vec3 turn_between(const run_pose *a, const run_pose *b) {
-  const double back[4] = {a->q[0], -a->q[1], -a->q[2], -a->q[3]};
-  double q[4];
-  multiply(b->q, back, q);
-  skf_vec3 least = turn_of(q), likely = v3_scale(0.5 * (b->t - a->t), v3_add(a->w, b->w));
-  double angle = v3_norm(least);
-  skf_vec3 axis = angle > 0 ? v3_scale(1 / angle, least) : v3_unit(likely);
-  double whole = round((v3_dot(likely, axis) - angle) / (2 * SKF_PI));
-  return v3_scale(angle + 2 * SKF_PI * whole, axis);
+/* A part s of the way from one attitude to the next: as the mean angular velocity turns, and evenly what that misses.
+ */
+static void turn_between(const run_pose *a, const run_pose *b, double s, double q[4]) {
+  skf_vec3 likely = v3_scale(0.5 * (b->t - a->t), v3_add(a->w, b->w));
+  memcpy(q, a->q, sizeof a->q);
+  quat_rotate(q, likely);
+  const double back[4] = {q[0], -q[1], -q[2], -q[3]};
+  quat_times(b->q, back, q);
+  skf_vec3 missed = turn_of(q);
+  memcpy(q, a->q, sizeof a->q);
+  quat_rotate(q, v3_scale(s, likely));
+  quat_rotate(q, v3_scale(s, missed));
 }
 
 /* The cubic through both places with both velocities, where these explain the way; a hit between them does not. */
@@ -52,10 +43,9 @@ static void pose_at(const run_body *b, double t, skf_vec3 *x, double q[4]) {
     *(b->poses[middle].t <= t ? &lo : &hi) = middle;
   }
   const run_pose *from = b->poses + lo, *to = b->poses + hi;
-  double h = to->t - from->t, s = h > 0 ? fmin(fmax((t - from->t) / h, 0), 1) : 0, by[4];
-  quaternion(v3_scale(s, turn_between(from, to)), by);
+  double h = to->t - from->t, s = h > 0 ? fmin(fmax((t - from->t) / h, 0), 1) : 0;
   *x = way_between(from, to, s);
-  multiply(by, from->q, q);
+  turn_between(from, to, s, q);
 }
 
 run_place run_body_at(const run_body *b, double t) {

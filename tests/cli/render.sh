@@ -120,6 +120,8 @@ moved "at its end" 9 25 0
 printf '%s\n0,ball,0,0,0,1,0,0,0,0,0,0,0.7853981633974483,0,0\n2,ball,0,0,0,0.7071067811865476,0.7071067811865476,0,0,0,0,0,0.7853981633974483,0,0\n' $header >bodies.csv
 moved "a body that turns" 2 -25 -25
 moved "half way" 1 -17.6777 -7.3223
+printf '%s\n0,ball,0,0,0,1,0,0,0,0,0,0,3.1415926535897931,0,0\n2,ball,0,0,0,1,0,1e-12,0,0,0,0,3.1415926535897931,0,0\n' $header >bodies.csv
+moved "one whole turn from row to row, a quarter of the way" 0.5 -25 -25
 printf '%s\n0,ball,0,0,0,1,0,0,0,0,0,0,3.9269908169872414,0,0\n2,ball,0,0,0,-0.7071067811865476,-0.7071067811865476,0,0,0,0,0,3.9269908169872414,0,0\n' $header >bodies.csv
 moved "that turns more than once, after a whole turn" 1.6 0 0
 run render still.yaml -o bodies.ppm --size 40x40 --frames 3 --quality draft --bodies bodies.csv
