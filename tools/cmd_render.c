@@ -36,6 +36,8 @@ static int check_format(const render_job *j) {
   const skf_picture_format *f = j->format;
   if (j->bits == 16 && !f->deep) return cli_fail(CLI_BAD, "--depth 16: .%s has none, expected png or tif", f->ending);
   if (j->bits == 16 && cli_given(j->c, "orbits")) return cli_fail(CLI_BAD, "--depth 16: expected no --orbits with it");
+  if (j->bits == 16 && cli_given(j->c, "contacts"))
+    return cli_fail(CLI_BAD, "--depth 16: expected no --contacts with it");
   if (f->linear && j->mode == RENDER_COST)
     return cli_fail(CLI_BAD, "--mode cost: .%s holds light, expected another format", f->ending);
   if (j->mode == RENDER_OFFSET && j->skeleton)
@@ -74,7 +76,7 @@ static void set_samples(render_job *j) {
 static int write_picture(render_job *j) {
   unsigned char *bytes;
   size_t n;
-  int status = render_picture(j, j->format->ending, &bytes, &n);
+  int status = render_picture(j, &bytes, &n);
   if (status) return status;
   status = picture_write(j->c, bytes, n);
   render_give_back(j, bytes);

@@ -99,7 +99,7 @@ static int frames(render_job *j, avi *film) {
     unsigned char *bytes;
     size_t n;
     snprintf(j->label, sizeof j->label, "frame %d of %d", k + 1, j->frames);
-    if (!status) status = render_picture(j, j->format->ending, &bytes, &n);
+    if (!status) status = render_picture(j, &bytes, &n);
     if (status) return status;
     if (!j->cut) status = j->video ? avi_add(film, bytes, n) : write_frame(j, k, bytes, n);
     render_give_back(j, bytes);

@@ -48,17 +48,11 @@ void render_spin(render_job *j);
 void render_release(render_job *j);
 
 /* ---- render_output.c ---- */
-/* Traces the picture into rgb and depth. */
-int render_trace(render_job *j);
 /* Whether the picture is a PNG without paths or axes, which needs no drawing module. */
 bool render_is_plain(const render_job *j);
-/* Its bytes in a format, with the paths up to a time; give them back with render_give_back. */
-int render_encode(render_job *j, const char *ending, unsigned char **bytes, size_t *n);
+/* Traces it, with the paths up to the job's time, or draws its cost map; its bytes go back with render_give_back. */
+int render_picture(render_job *j, unsigned char **bytes, size_t *n);
 void render_give_back(const render_job *j, unsigned char *bytes);
-/* The cost map as a chart. */
-int render_cost(render_job *j, unsigned char **bytes, size_t *n);
-/* Trace and encode, or the cost map. */
-int render_picture(render_job *j, const char *ending, unsigned char **bytes, size_t *n);
 
 /* ---- render_film.c ---- */
 int render_film_parse(render_job *j);

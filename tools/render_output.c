@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-int render_trace(render_job *j) {
+/* Traces the picture into rgb and depth. */
+static int trace(render_job *j) {
   size_t n = (size_t)j->what.width * j->what.height;
   if (!j->rgb) j->rgb = malloc(3 * n * sizeof *j->rgb);
   if (!j->depth) j->depth = malloc(n * sizeof *j->depth);
@@ -20,14 +21,22 @@ int render_trace(render_job *j) {
   return s && !j->cut ? cli_fail_status(s, "render") : CLI_DONE;
 }
 
+/* Its values of 8 or 16 bits, to be freed; NULL when memory is out. */
+static void *values(const render_job *j) {
+  size_t n = (size_t)j->what.width * j->what.height;
+  void *image = malloc(3 * n * (size_t)(j->bits / 8));
+  if (image && j->bits == 16) skf_render_srgb16(j->rgb, n, image);
+  if (image && j->bits == 8) skf_render_srgb(j->rgb, j->what.width, n, image);
+  return image;
+}
+
 /* The 8-bit picture with the paths. */
-static skf_status draw(render_job *j, const char *ending, unsigned char **bytes, size_t *n, char error[256]) {
+static skf_status draw(render_job *j, unsigned char **bytes, size_t *n, char error[256]) {
   int w = j->what.width, h = j->what.height;
-  unsigned char *image = malloc(3 * (size_t)w * h);
+  unsigned char *image = values(j);
   skf_canvas *canvas = j->plot->create(w, h, NULL, error);
   skf_status s = image && canvas ? SKF_OK : SKF_ERR_NOMEM;
   if (!s) {
-    skf_render_srgb(j->rgb, w, (size_t)w * h, image);
     j->plot->image(canvas, 0, 0, w, h, image);
     path_view view = {j->plot,
                       canvas,
@@ -44,18 +53,8 @@ static skf_status draw(render_job *j, const char *ending, unsigned char **bytes,
     if (j->frames) run_free(&shown);
   }
   if (s) snprintf(error, 256, "%s", skf_status_text(s));
-  if (!s) s = j->plot->encode(canvas, ending, bytes, n, error);
+  if (!s) s = j->plot->encode(canvas, j->format->ending, bytes, n, error);
   if (canvas) j->plot->destroy(canvas);
-  free(image);
-  return s;
-}
-
-static skf_status deep(render_job *j, const char *ending, unsigned char **bytes, size_t *n, char error[256]) {
-  size_t pixels = (size_t)j->what.width * j->what.height;
-  unsigned short *image = malloc(3 * pixels * sizeof *image);
-  if (!image) return snprintf(error, 256, "out of memory"), SKF_ERR_NOMEM;
-  skf_render_srgb16(j->rgb, pixels, image);
-  skf_status s = j->plot->encode_deep(j->what.width, j->what.height, image, ending, bytes, n, error);
   free(image);
   return s;
 }
@@ -72,14 +71,16 @@ void render_give_back(const render_job *j, unsigned char *bytes) {
     j->plot->release(bytes);
 }
 
-static skf_status plain(const render_job *j, unsigned char **bytes, size_t *n, char error[256]) {
+/* Nothing is drawn over these. */
+static skf_status bare(const render_job *j, unsigned char **bytes, size_t *n, char error[256]) {
   int w = j->what.width, h = j->what.height;
-  size_t pixels = (size_t)w * h;
-  void *image = malloc(3 * pixels * (size_t)(j->bits / 8));
-  if (image && j->bits == 16) skf_render_srgb16(j->rgb, pixels, image);
-  if (image && j->bits == 8) skf_render_srgb(j->rgb, w, pixels, image);
-  skf_status s = image ? skf_png_encode(w, h, j->bits, image, bytes, n) : SKF_ERR_NOMEM;
-  if (s) snprintf(error, 256, "%s", skf_status_text(s));
+  void *image = values(j);
+  skf_status s = SKF_ERR_NOMEM;
+  snprintf(error, 256, "%s", skf_status_text(s));
+  if (image && render_is_plain(j))
+    s = skf_png_encode(w, h, j->bits, image, bytes, n);
+  else if (image)
+    s = j->plot->encode_deep(w, h, image, j->format->ending, bytes, n, error);
   free(image);
   return s;
 }
@@ -89,15 +90,14 @@ static int done(const render_job *j, skf_status s, const char *error) {
   return s ? cli_fail(CLI_FAILED, "%s: %s", path ? path : "stdout", error) : CLI_DONE;
 }
 
-int render_encode(render_job *j, const char *ending, unsigned char **bytes, size_t *n) {
+/* With the paths up to the job's time. */
+static int encode(render_job *j, unsigned char **bytes, size_t *n) {
   char error[256];
   skf_status s;
-  if (render_is_plain(j))
-    s = plain(j, bytes, n, error);
-  else if (j->format->linear)
-    s = j->plot->encode_linear(j->what.width, j->what.height, j->rgb, ending, bytes, n, error);
+  if (j->format->linear)
+    s = j->plot->encode_linear(j->what.width, j->what.height, j->rgb, j->format->ending, bytes, n, error);
   else
-    s = j->bits == 16 ? deep(j, ending, bytes, n, error) : draw(j, ending, bytes, n, error);
+    s = j->bits == 16 || render_is_plain(j) ? bare(j, bytes, n, error) : draw(j, bytes, n, error);
   return done(j, s, error);
 }
 
@@ -135,7 +135,8 @@ static int chart_cost(render_job *j, chart *h, const float *cost) {
   return CLI_DONE;
 }
 
-int render_cost(render_job *j, unsigned char **bytes, size_t *n) {
+/* The cost map as a chart. */
+static int draw_cost(render_job *j, unsigned char **bytes, size_t *n) {
   char error[256];
   float *cost = malloc((size_t)j->what.width * j->what.height * sizeof *cost);
   if (!cost) return cli_fail(CLI_FAILED, "out of memory");
@@ -154,8 +155,8 @@ int render_cost(render_job *j, unsigned char **bytes, size_t *n) {
   return status;
 }
 
-int render_picture(render_job *j, const char *ending, unsigned char **bytes, size_t *n) {
-  if (j->mode == RENDER_COST) return render_cost(j, bytes, n);
-  int status = render_trace(j);
-  return status ? status : render_encode(j, ending, bytes, n);
+int render_picture(render_job *j, unsigned char **bytes, size_t *n) {
+  if (j->mode == RENDER_COST) return draw_cost(j, bytes, n);
+  int status = trace(j);
+  return status ? status : encode(j, bytes, n);
 }
