@@ -23,6 +23,11 @@ static int bad(const table *t, const char *what) {
   return cli_fail(CLI_BAD, "%s:%ld: %s, expected the columns %s", t->path, t->number, what, t->header);
 }
 
+/* The same of a row whose columns are in order. */
+static int odd(const table *t, const char *what, const char *wanted) {
+  return cli_fail(CLI_BAD, "%s:%ld: %s, expected %s", t->path, t->number, what, wanted);
+}
+
 /* Cuts the line at its commas; a field in double quotes may hold commas and doubled quotes. */
 static void split(table *t) {
   char *in = t->line;
@@ -97,7 +102,8 @@ static int add_state(const table *t, void *to) {
     run->particles = more;
     run->particles[run->particle_count++] = (run_particle){.states = NULL};
     snprintf(run->particles[i].name, sizeof run->particles[i].name, "%s", t->fields[1]);
-    if (strlen(t->fields[1]) >= sizeof run->particles[i].name) return bad(t, "a name of more than 63 bytes");
+    if (strlen(t->fields[1]) >= sizeof run->particles[i].name)
+      return odd(t, "a name of more than 63 bytes", "a shorter one");
   }
   run_particle *p = run->particles + i;
   run_state *more = room(p->states, p->count, sizeof *more);
@@ -165,10 +171,10 @@ static int add_pose(const table *t, void *to) {
   if (!numbers(t, 0, 1, a) || !numbers(t, 2, 13, a + 1)) return bad(t, "malformed, missing or non-finite number");
   run_pose p = {a[0], {a[1], a[2], a[3]}, {a[4], a[5], a[6], a[7]}, {a[8], a[9], a[10]}, {a[11], a[12], a[13]}};
   double norm = sqrt(p.q[0] * p.q[0] + p.q[1] * p.q[1] + p.q[2] * p.q[2] + p.q[3] * p.q[3]);
-  if (!(fabs(norm - 1) < 1e-6)) return bad(t, "an attitude that is no unit quaternion");
+  if (!(fabs(norm - 1) < 1e-6)) return odd(t, "an attitude that is no unit quaternion", "norm 1");
   size_t body = 0, i = 0;
   while (body < r->scene->body_count && strcmp(r->scene->bodies[body].name, t->fields[1]) != 0) body++;
-  if (body == r->scene->body_count) return bad(t, "a body that the scene does not have");
+  if (body == r->scene->body_count) return odd(t, "a body that the scene does not have", "a run of this scene");
   while (i < run->count && run->bodies[i].body != body) i++;
   if (i == run->count) {
     run_body *more = room(run->bodies, i, sizeof *more);
@@ -176,7 +182,8 @@ static int add_pose(const table *t, void *to) {
     run->bodies = more, run->bodies[run->count++] = (run_body){.body = body};
   }
   run_body *b = run->bodies + i;
-  if (b->count && !(b->poses[b->count - 1].t < p.t)) return bad(t, "a time that is not after the body's last row");
+  if (b->count && !(b->poses[b->count - 1].t < p.t))
+    return odd(t, "a time that is not after the body's last row", "rows by time");
   run_pose *more = room(b->poses, b->count, sizeof *more);
   if (!more) return cli_fail(CLI_FAILED, "%s: out of memory", t->path);
   b->poses = more, b->poses[b->count++] = p;

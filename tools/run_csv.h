@@ -53,8 +53,8 @@ int run_bodies_read(const char *path, const skf_scene *scene, run_bodies_data *o
 void run_bodies_free(run_bodies_data *run);
 
 /* Where a body is at time t, its first row being where the scene has it: turned about the axis through `about`, then
-   shifted. Between two rows: a cubic, or a straight line where the velocities do not fit, and a turn by the mean angular
-   velocity and what it misses; before the first and after the last as they are. */
+   shifted. Between two rows: a cubic, or a straight line where the velocities do not fit, and a turn by the mean
+   angular velocity and what it misses; before the first and after the last as they are. */
 typedef struct run_place {
   skf_vec3 axis, about, shift;
   double angle;

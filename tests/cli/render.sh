@@ -29,6 +29,7 @@ refused "an unknown quality" '--quality best: expected normal, draft or fine' re
 refused "an unknown mode" '--mode wire: expected surface, offset or cost' render ball.yaml -o a.png --mode wire
 refused "12 bits" '--depth 12: expected 8 or 16' render ball.yaml -o a.png --depth 12
 refused "16 bits in a jpg" '--depth 16: .jpg has none, expected png or tif' render ball.yaml -o a.jpg --depth 16
+refused "16 bits and marks" '--depth 16: expected no --contacts with it' render ball.yaml -o a.png --depth 16 --contacts a.csv
 refused "a cost as light" '--mode cost: .exr holds light' render ball.yaml -o a.exr --mode cost
 refused "a film on stdout" '--frames: a film is not written to stdout' render ball.yaml --frames 3
 refused "half a frame" '--frames 2.5: expected a whole number' render ball.yaml -o a.avi --frames 2.5
@@ -129,7 +130,7 @@ expect_status "a film of bodies" 0
 cmp -s bodies-0001.ppm bodies-0002.ppm
 expect "which moves" [ $? -eq 1 ]
 printf '%s\n0,bell,0,0,0,1,0,0,0,0,0,0,0,0,0\n' $header >bodies.csv
-refused "rows of another scene" 'bodies.csv:2: a body that the scene does not have' render still.yaml -o a.png --bodies bodies.csv
+refused "rows of another scene" 'bodies.csv:2: a body that the scene does not have, expected a run of this scene' render still.yaml -o a.png --bodies bodies.csv
 printf '%s\n0,ball,0,0,0,1,1,0,0,0,0,0,0,0,0\n' $header >bodies.csv
 refused "no attitude" 'bodies.csv:2: an attitude that is no unit quaternion' render still.yaml -o a.png --bodies bodies.csv
 printf '%s\n1,ball,0,0,0,1,0,0,0,0,0,0,0,0,0\n1,ball,0,0,0,1,0,0,0,0,0,0,0,0,0\n' $header >bodies.csv
