@@ -58,11 +58,6 @@ SKF_INLINE skf_v3d vd3_select(skf_vi m, skf_v3d a, skf_v3d b) {
   return (skf_v3d){vd_select(m, a.x, b.x), vd_select(m, a.y, b.y), vd_select(m, a.z, b.z)};
 }
 
-/* a where the mask is set, else 0 */
-SKF_INLINE skf_v3d vd3_keep(skf_vi m, skf_v3d a) {
-  return (skf_v3d){(skf_vd)((skf_vi)a.x & m), (skf_vd)((skf_vi)a.y & m), (skf_vd)((skf_vi)a.z & m)};
-}
-
 /* a b - c d to an ulp or two [Kahan] */
 SKF_INLINE skf_vd vd_det2(skf_vd a, skf_vd b, skf_vd c, skf_vd d) {
   skf_vd q = c * d;

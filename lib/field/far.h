@@ -25,7 +25,4 @@ void skf_far_add(const skf_far *far, size_t n, const double *const p[3], double 
 /* The same at one point; order 2: the Hessian too. */
 void skf_far_value(const skf_far *far, skf_vec3 p, int order, skf_value *v);
 
-/* Bytes that it holds. */
-size_t skf_far_memory(const skf_far *far);
-
 #endif

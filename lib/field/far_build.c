@@ -175,15 +175,3 @@ void skf_far_free(skf_far *f) {
   skf_free(f->tensors), skf_free(f->prepared), skf_free(f->batch), skf_free(f->list), skf_free(f->leaf_of);
   skf_free(f->leaf), skf_free(f);
 }
-
-size_t skf_far_memory(const skf_far *f) {
-  size_t columns = 0;
-  for (size_t i = 0; i < f->batches; i++)
-    for (size_t k = 0; k < f->batch[i].tiles; k++)
-      if (f->batch[i].tile[k].column)
-        columns += f->batch_ops->form[f->batch[i].tile[k].form].columns * SKF_TILE * sizeof(double) + sizeof(skf_tile);
-  return sizeof *f + f->tree.target_count * (f->layout.size * sizeof(double) + sizeof(far_target) + sizeof(far_leaf)) +
-         f->tree.source_count * sizeof(far_source) + f->prepared_count * sizeof(skf_prepared) +
-         f->list_count * sizeof(unsigned) + columns +
-         (f->narrow ? f->tree.source_count * sizeof(far_narrow) + f->prepared_count * sizeof(far_ball) : 0);
-}
