@@ -22,21 +22,21 @@ static size_t find(const skf_far *f, skf_vec3 p) {
   return f->leaf_of[cell];
 }
 
-/* The harmonics' sum G at x / r^2, x in sides of the cube, and its gradient there, make F = G / r and its own. */
-static void outside(const skf_far *f, const far_leaf *l, far_points *b, double x[3][SKF_BATCH]) {
-  double r[SKF_BATCH], out[4][SKF_BATCH];
+/* The harmonics' sum G at x / r^2 = u / r, x in sides of the cube, and its gradient there, make F = G / r and its own.
+   No distance is squared: it may be anything. */
+static void outside(const skf_far *f, const far_leaf *l, far_points *b, double u[3][SKF_BATCH]) {
+  double r[SKF_BATCH], x[3][SKF_BATCH], out[4][SKF_BATCH];
   for (size_t i = 0; i < b->padded; i++) {
-    double r2 = x[0][i] * x[0][i] + x[1][i] * x[1][i] + x[2][i] * x[2][i];
-    r[i] = sqrt(r2);
-    for (int k = 0; k < 3; k++) x[k][i] /= r2;
+    r[i] = hypot(hypot(u[0][i], u[1][i]), u[2][i]);
+    for (int k = 0; k < 3; k++) u[k][i] /= r[i], x[k][i] = u[k][i] / r[i];
   }
   f->ops->evaluate(f->harmonic, l->tensor, b->padded, 1, (const double(*)[SKF_BATCH])x, out);
   for (size_t i = 0; i < b->padded; i++) {
-    double dot = 0, by = l->per / (r[i] * r[i] * r[i]);
-    for (int k = 0; k < 3; k++) dot += out[1 + k][i] * x[k][i] * r[i];
-    b->sum.s[0][i] = out[0][i] / r[i];
-    for (int k = 0; k < 3; k++)
-      b->sum.s[1 + k][i] = by * (out[1 + k][i] - r[i] * x[k][i] * (2 * dot + r[i] * out[0][i]));
+    double along = 0;
+    for (int k = 0; k < 3; k++) along += out[1 + k][i] * u[k][i];
+    double F = out[0][i] / r[i], by = l->per / r[i], turn = F + 2 * along / r[i] / r[i];
+    b->sum.s[0][i] = F;
+    for (int k = 0; k < 3; k++) b->sum.s[1 + k][i] = by * (out[1 + k][i] / r[i] / r[i] - turn * u[k][i]);
   }
 }
 

@@ -155,6 +155,24 @@ static void test_layouts(void **state) {
   }
 }
 
+/* Where squares and cubes of distances overflow. */
+static void test_distant(void **state) {
+  (void)state;
+  uint64_t seed = 30;
+  for (int k = 0; k < 3; k++) {
+    fill(&seed, kernels[k], SKF_POINT, CLOUD, 1, v3(0, 0, 0));
+    skf_field *f = make(count, 1e-6), *direct = make(count, 0);
+    for (int power = 2; power < (k == 0 ? 280 : k == 1 ? 100 : 60); power++) {
+      skf_vec3 x = v3_scale(pow(10, power), rnd_unit(&seed)), slope, want;
+      double F_far = skf_field_at(f, x, &slope), F_want = skf_field_at(direct, x, &want),
+             size = F_want / pow(10, power);
+      check_close(F_far, F_want, 1e-5);
+      for (int m = 0; m < 3; m++) check_scaled(v3_get(slope, m), v3_get(want, m), fmax(size, 1e-300), 1e-5);
+    }
+    skf_field_free(f), skf_field_free(direct);
+  }
+}
+
 static void narrow(uint64_t *seed, skf_shape shape, layout where, double scale) {
   fill(seed, SKF_GAUSSIAN, shape, where, scale, v3(0, 0, 0));
   for (size_t i = 0; i < count; i++) elements[i].kernel.param = (where == CLUSTERS ? 2000 : 20) / scale;
@@ -302,9 +320,10 @@ static void test_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_pairs), cmocka_unit_test(test_fine),   cmocka_unit_test(test_layouts),
-      cmocka_unit_test(test_place), cmocka_unit_test(test_switch), cmocka_unit_test(test_mixed),
-      cmocka_unit_test(test_range), cmocka_unit_test(test_memory), cmocka_unit_test(test_narrow),
+      cmocka_unit_test(test_pairs),   cmocka_unit_test(test_fine),   cmocka_unit_test(test_layouts),
+      cmocka_unit_test(test_place),   cmocka_unit_test(test_switch), cmocka_unit_test(test_mixed),
+      cmocka_unit_test(test_range),   cmocka_unit_test(test_memory), cmocka_unit_test(test_narrow),
+      cmocka_unit_test(test_distant),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
