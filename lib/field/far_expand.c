@@ -100,6 +100,7 @@ skf_status skf_far_expand(skf_far *f, const skf_prepared *elements, double accur
   if (!j) return SKF_ERR_NOMEM;
   *j = (far_job){.far = f, .elements = elements, .accuracy = accuracy};
   skf_status s = make(j, whole);
+  if (f->harmonic) skf_far_harmonic_free_ways(f->harmonic);
   skf_free(j->mixture), skf_free(j->moments), skf_free(j->work), skf_free(j);
   return s;
 }

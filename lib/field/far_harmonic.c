@@ -156,12 +156,18 @@ far_harmonic *skf_far_harmonic_new(double accuracy) {
   return skf_far_harmonic_free(h), NULL;
 }
 
+static void drop(double **table) { skf_free(*table), *table = NULL; }
+
+void skf_far_harmonic_free_ways(far_harmonic *h) {
+  for (int i = 0; i < FAR_SHIFTS; i++)
+    for (int k = 0; k < 3 * FAR_REACH * FAR_REACH; k++) drop(&h->turns[i][k]);
+  for (int k = 0; k <= 3 * FAR_REACH * FAR_REACH; k++) drop(&h->alongs[k]);
+  drop(&h->child_turn[0]), drop(&h->child_turn[1]), drop(&h->child_along);
+}
+
 void skf_far_harmonic_free(far_harmonic *h) {
   if (!h) return;
-  for (int i = 0; i < FAR_SHIFTS; i++)
-    for (int k = 0; k < 3 * FAR_REACH * FAR_REACH; k++) skf_free(h->turns[i][k]);
-  for (int k = 0; k <= 3 * FAR_REACH * FAR_REACH; k++) skf_free(h->alongs[k]);
-  skf_free(h->child_turn[0]), skf_free(h->child_turn[1]), skf_free(h->child_along);
+  skf_far_harmonic_free_ways(h);
   skf_free(h->step[0]), skf_free(h->step[1]), skf_free(h->norm), skf_free(h);
 }
 

@@ -38,6 +38,8 @@ typedef struct far_harmonic {
 /* Coefficients R_lm in which 1/r between any source and target of an interaction list comes out to a relative error
    `accuracy`, of the gradient relative to 1/r^2. NULL when memory is out. */
 far_harmonic *skf_far_harmonic_new(double accuracy);
+/* Frees the ways between cells alone, 13 MB at 1e-12 and 2 MB at 1e-6: evaluating does without them. */
+void skf_far_harmonic_free_ways(far_harmonic *h);
 void skf_far_harmonic_free(far_harmonic *h);
 
 static inline size_t far_cosine(int l, int m) { return (size_t)(l * l + m); }
