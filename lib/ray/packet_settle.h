@@ -26,8 +26,10 @@ SKF_INLINE void settle_four(const skf_tracer *tracer, skf_room *r, size_t i, siz
   skf_vi straight = near | (size * bend <= vd_set(SKF_STRAIGHT) * steep);
   skf_vd loose = size * (vd_load(r->loose + i) + vd_set(0.5 * SKF_THIRD) * rest);
   skf_vi turned = loose < vd_set(tracer->normals) * steep;
-  skf_vi end = near | (good & (straight | turned));
-  t += s;
+  skf_vd next = t + s, from = vd_load(r->from + i), to = vd_load(r->to + i);
+  skf_vi inside = (next >= from) & (next <= to); /* else the bounds do not hold all the way */
+  skf_vi end = near | (good & inside & (straight | turned));
+  t = next;
   for (int k = 0; k < 3; k++) {
     root[k] = vd_load(r->o[k] + i) + t * d[k];
     g[k] = vd_select(straight, g[k], g[k] + s * vd_load(r->turn[k] + i));
@@ -35,7 +37,7 @@ SKF_INLINE void settle_four(const skf_tracer *tracer, skf_room *r, size_t i, siz
   skf_vd largest = vd_max(vd_abs(g[0]), vd_max(vd_abs(g[1]), vd_abs(g[2])));
   for (int k = 0; k < 3; k++) g[k] = g[k] / largest;
   skf_vd length = vd_sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-  vd_store(r->t + i, t);
+  vd_store(r->t + i, vd_max(vd_min(t, to), from));
   vd_store(r->c2 + i, zero), vd_store(r->c3 + i, zero); /* beside the next place all is known by its bounds */
   vd_store(r->off + i, bend), vd_store(r->loose + i, bend);
   for (int k = 0; k < 3; k++) vd_store(r->turn[k] + i, zero);

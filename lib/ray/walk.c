@@ -182,8 +182,13 @@ static double inverse_step(const skf_knot *p, const skf_knot *q) {
 }
 
 skf_knot skf_walk_polish(skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
-  skf_knot lo = *a, hi = *b, best = fabs(a->f) < fabs(b->f) ? *a : *b, old = best, k;
-  if ((lo.f > 0) == (hi.f > 0)) return best; /* an end within rounding of the surface */
+  skf_knot lo = *a, hi = *b, best, old, k;
+  if ((lo.f > 0) == (hi.f > 0)) { /* an end that is on the surface to within a model's error, or rounding */
+    if (!lo.known) skf_walk_look(w, lo.t, &lo);
+    if (!hi.known) skf_walk_look(w, hi.t, &hi);
+  }
+  best = old = fabs(lo.f) < fabs(hi.f) ? lo : hi;
+  if ((lo.f > 0) == (hi.f > 0)) return best;
   double x = guess, grain = DBL_EPSILON * largest(v3_mad(w->origin, guess, w->direction));
   for (int i = 0; i < 100; i++) {
     if (!(x > lo.t && x < hi.t)) x = lo.t + 0.5 * (hi.t - lo.t);

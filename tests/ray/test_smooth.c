@@ -3,7 +3,7 @@
 #include "check.h"
 #include "field/some.h"
 #include "random.h"
-#include "ray/smooth.h"
+#include "ray/room.h"
 #include "skelfield/ray.h"
 #include <stdlib.h>
 
@@ -156,7 +156,47 @@ static void normals(void **unused) {
   }
 }
 
+/* Within its error a model may have one sign at both ends of a crossing: the field's own signs tell. */
+static void ends_of_models(void **unused) {
+  (void)unused;
+  skf_element e = {{.shape = SKF_POINT, .point = {{0, 0, 0}}}, {SKF_CAUCHY, 1}, 1};
+  skf_field *f;
+  skf_tracer *t;
+  assert_int_equal(skf_field_new(&e, 1, &f), SKF_OK);
+  assert_int_equal(skf_tracer_new(f, skf_field_at(f, v3(1, 0, 0), NULL), &t), SKF_OK);
+  skf_walk w = {.tracer = t, .origin = {3, 0, 0}, .direction = {-1, 0, 0}};
+  skf_knot a = {.t = 1.999, .f = 1e-9}, b = {.t = 2.5, .f = 0.1}, k = skf_walk_polish(&w, &a, &b, 2.2);
+  assert_true(fabs(k.t - 2) <= 1e-15 && fabs(k.at.x - 1) <= 1e-15 && k.gradient.x < 0);
+  skf_tracer_free(t);
+  skf_field_free(f);
+}
+
+/* Places to look at stay between the ends of the crossing, whatever the slope. */
+static void stays_between(void **unused) {
+  (void)unused;
+  skf_patch patch = {.per = 1};
+  skf_leaf leaf = {.patch = &patch, .bend = 1e3};
+  skf_bow bow = {.loose = 1e3};
+  skf_tracer t = {.normals = 0};
+  skf_walk w = {.direction = {0, 0, 1}, .leaf = &leaf, .bow = &bow};
+  skf_knot a = {.t = 1, .f = -1}, b = {.t = 2, .f = 1};
+  for (int i = 0; i < 4; i++) {
+    skf_room r;
+    skf_sights at = {.F = {0}};
+    skf_hit hit;
+    bool done[4];
+    r.count = 0;
+    for (int k = 0; k < 4; k++) {
+      skf_room_add(&r, &hit, &w, &a, &b, 1.5);
+      at.F[k] = 0.1, at.size[k] = 1, at.g[2][k] = (double[]){0.01, -0.01, 0, 0.2}[i];
+    }
+    skf_room_settle_scalar(&t, &r, 4, &at, done);
+    for (int k = 0; k < 4; k++) assert_true(!done[k] && r.t[k] >= 1 && r.t[k] <= 2);
+  }
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(margins), cmocka_unit_test(normals)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(margins), cmocka_unit_test(normals),
+                                     cmocka_unit_test(ends_of_models), cmocka_unit_test(stays_between)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
