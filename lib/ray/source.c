@@ -38,6 +38,7 @@ static void set_steps(skf_source *s) {
   double width = skf_kernel_width(s->element.kernel), size = 2 * s->reach;
   double first = width > 0 ? width / 16 : size / 4096;
   double last = fmin(8 * fmax(width, size), skf_kernel_end(s->element.kernel)); /* beyond there is nothing */
+  last = fmax(last, first); /* of a user's kernel the width may be said wrongly */
   s->unit = exp2(floor(log2(first)));
   s->grades = (size_t)fmin(PER_OCTAVE * (1 + ceil(log2(last / s->unit))), 40 * PER_OCTAVE);
 }
