@@ -193,7 +193,8 @@ static void set_shape(skf_patch *p, skf_leaf *l) {
         if (n > 2) p->beyond += fabs(*c);
         l->slope += n * size, l->bend += n * (n - 1) * size * p->per;
       }
-  l->flat += p->off.value, l->slope += p->off.slope, l->bend += p->off.bend;
+  l->flat += p->off.value + SLACK * (fabs(p->lean[0]) + fabs(p->lean[1]) + fabs(p->lean[2]));
+  l->slope += p->off.slope, l->bend += p->off.bend;
   l->fourth = p->off.fourth, l->slope = l->slope < INFINITY ? l->slope : INFINITY;
 }
 
