@@ -37,7 +37,7 @@ typedef struct skf_tracer skf_tracer;
 SKF_API skf_status skf_tracer_new(const skf_field *field, double iso, skf_tracer **out);
 
 /* normals: by how much those of smooth fields (below) may be off, 0 to 1e-3. Default 0: rounding. Pictures can do with
-   1e-8, which saves about half of the evaluations of the field. Places are the same. */
+   1e-8, which saves a quarter to a half of the evaluations of the field. Places are the same. */
 typedef struct skf_tracer_options {
   double normals;
 } skf_tracer_options;

@@ -119,7 +119,7 @@ typedef struct skf_render_body {
 
 typedef enum skf_render_quality {
   SKF_RENDER_NORMAL,
-  SKF_RENDER_DRAFT, /* the lamps' light alone, without shadows, mirrors and glass */
+  SKF_RENDER_DRAFT, /* the light of sky and lamps alone, without shadows, mirrors and glass */
   SKF_RENDER_FINE   /* four times the rays for the sky and for soft shadows */
 } skf_render_quality;
 
