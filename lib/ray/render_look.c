@@ -112,8 +112,16 @@ static void add_share(skf_look *to, double share, const skf_look *from) {
   to->shine += share * from->shine, to->ior += share * from->ior;
 }
 
+static void divide(skf_look *look, double by) {
+  for (int k = 0; k < 3; k++) {
+    look->color[k] /= by, look->specular[k] /= by;
+    look->reflection[k] /= by, look->transparency[k] /= by;
+  }
+  look->ambient /= by, look->diffuse /= by, look->shine /= by, look->ior /= by;
+}
+
 /* A part counts where it is positive. */
-static double count(double f) { return f > 0 ? fmin(f, 1e300) : 0; }
+static double count(double f) { return f > 0 ? fmin(f, 1e200) : 0; }
 
 static void weigh_part(const skf_field *field, size_t n, const size_t *which, const skf_sight *sights, double *out) {
   double at[3][SKF_MANY], *const F[4] = {out, NULL, NULL, NULL};
@@ -141,31 +149,29 @@ bool skf_palette_weigh(const skf_palette *p, size_t n, const size_t *which, cons
   return true;
 }
 
-/* Of many parts nobody keeps the weights: they are computed twice. */
-static double weight_of(const skf_palette *p, size_t part, skf_vec3 at, const double *weights) {
-  if (weights) return weights[part];
-  return p->fields[part] ? count(skf_field_at(p->fields[part], at, NULL)) : 0;
-}
-
-/* Each part's look by its share of the sum of all. Without any field there, the first look. */
+/* Each part's look by its share of the sum of all. Without any field there, the first look. Of many parts nobody keeps
+   the weights. */
 static void mix(const skf_palette *p, const skf_render_body *body, skf_vec3 at, const double *weights, skf_look *look,
                 skf_vec3 *relief) {
   double sum = 0;
   *look = (skf_look){.texture_count = 0};
-  for (size_t i = 0; i < p->n; i++) sum += weight_of(p, i, at, weights);
   for (size_t i = 0; i < p->n; i++) {
-    double share = weight_of(p, i, at, weights) / sum;
-    if (!(share > 0)) continue;
+    double weight = weights ? weights[i] : p->fields[i] ? count(skf_field_at(p->fields[i], at, NULL)) : 0;
+    if (!(weight > 0)) continue;
     const skf_look *part = body->looks + p->look_of[i];
     skf_look dressed;
     if (part->texture_count) {
       dressed = *part;
-      dress(&dressed, at, p->elements[i] ? &p->elements[i]->primitive : NULL, share, relief);
+      dress(&dressed, at, p->elements[i] ? &p->elements[i]->primitive : NULL, weight, relief);
       part = &dressed;
     }
-    add_share(look, share, part);
+    add_share(look, weight, part);
+    sum += weight;
   }
-  if (!(sum > 0)) *look = body->looks[0];
+  if (!(sum > 0))
+    *look = body->looks[0];
+  else
+    divide(look, sum), *relief = v3(relief->x / sum, relief->y / sum, relief->z / sum);
 }
 
 const skf_look *skf_palette_at(const skf_palette *p, const skf_render_body *body, const skf_sight *at, skf_look *room,
