@@ -164,20 +164,9 @@ typedef struct patch_root {
 /* As root_of in patch.c; found: those that Newton's steps have brought there. */
 SKF_INLINE patch_root root_in_patch(const int n, const skf_vd *c, skf_vi hit) {
   enum { STEPS = 5 };
-  skf_vd zero = vd_set(0), one = vd_set(1), d[SKF_DEGREE + 1], up = c[0], base = zero, over = c[0] - c[n];
-  for (int k = 0; k < n; k++) {
-    skf_vi here = (c[k] > zero) != (c[k + 1] > zero);
-    up = vd_select(here, c[k], up), over = vd_select(here, c[k] - c[k + 1], over);
-    base = vd_select(here, vd_set(k), base);
-  }
-  patch_root r = {.x = (base + up / over) * vd_set(1. / n), .found = vi_set(0)};
-  for (int k = 0; k <= n; k++) d[k] = c[k];
-  for (int k = 1; k <= n; k++)
-    for (int i = n; i >= k; i--) d[i] -= d[i - 1];
-  for (int k = 1, choose = n; k < n; k++) {
-    d[k] *= vd_set(choose);
-    choose = choose * (n - k) / (k + 1);
-  }
+  skf_vd zero = vd_set(0), one = vd_set(1), d[SKF_DEGREE + 1];
+  patch_root r = {.x = polygon_root(n, c), .found = vi_set(0)};
+  powers_of(n, c, d);
   for (int i = 0; i < STEPS && vi_any(hit & ~r.found); i++) {
     skf_vd f = d[n], slope = zero;
     for (int k = n - 1; k >= 0; k--) raise(r.x, d[k], &f, &slope, NULL);

@@ -130,20 +130,9 @@ SKF_INLINE void judge(const int n, const skf_piece *q, skf_vd L, skf_vd noise, b
 
 /* The root in (0, 1) of what has one, as `root` in pieces.c: Newton's steps between ends that close in. */
 SKF_INLINE skf_vd root(const int n, const skf_vd *c, skf_vi on) {
-  static const double binomial[2][7] = {{1, 4, 6, 4, 1}, {1, 6, 15, 20, 15, 6, 1}};
-  skf_vd d[7], zero = vd_set(0), one = vd_set(1), lo = zero, hi = one, x = zero;
+  skf_vd d[7], zero = vd_set(0), lo = zero, hi = vd_set(1), x = polygon_root(n, c);
   skf_vi up = c[n] > zero;
-  skf_vd top = c[0], bottom = c[0] - c[n], from = zero;
-  for (int k = 0; k < n; k++) {
-    skf_vi here = (c[k] > zero) ^ (c[k + 1] > zero);
-    top = vd_select(here, c[k], top), bottom = vd_select(here, c[k] - c[k + 1], bottom);
-    from = vd_select(here, vd_set(k), from);
-  }
-  x = (from + top / bottom) * vd_set(1. / n);
-  for (int k = 0; k <= n; k++) d[k] = c[k];
-  for (int k = 1; k <= n; k++)
-    for (int i = n; i >= k; i--) d[i] -= d[i - 1];
-  for (int k = 1; k < n; k++) d[k] *= vd_set(binomial[n == 6][k]);
+  powers_of(n, c, d);
   for (int i = 0; i < 24 && vi_any(on); i++) {
     skf_vd f = d[n], slope = zero;
     for (int k = n - 1; k >= 0; k--) slope = slope * x + f, f = f * x + d[k];

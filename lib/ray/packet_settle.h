@@ -7,6 +7,13 @@
 #include "simd/vec.h"
 #include <float.h>
 
+/* What the third and the fourth derivatives of a leaf's model may be beside its `bend`, the sum of what the powers
+   amount to; in units of half the cell. */
+#define THIRD  (SKF_DEGREE - 2.)
+#define FOURTH ((SKF_DEGREE - 2.) * (SKF_DEGREE - 3.))
+/* Normals that are off by less are right to rounding. */
+#define STRAIGHT 1e-14
+
 SKF_INLINE void settle_four(const skf_tracer *tracer, skf_room *r, size_t i, size_t m, const skf_sights *at,
                             bool *done) {
   skf_vd d[3], g[3], x[3], root[3], t = vd_load(r->t + i), f = vd_load(at->F + i), zero = vd_set(0), half = vd_set(0.5);
@@ -20,11 +27,11 @@ SKF_INLINE void settle_four(const skf_tracer *tracer, skf_room *r, size_t i, siz
   skf_vd c2 = vd_load(r->c2 + i), c3 = vd_load(r->c3 + i), bend = vd_load(r->bend + i);
   for (int k = 0; k < 2; k++) s = -(f + s * s * (c2 + s * c3)) * per;
   skf_vd size = vd_abs(s), part = size * vd_load(r->per + i), rest = part * bend;
-  skf_vd error = half * (vd_load(r->off + i) + vd_set(0.5 * SKF_FOURTH) * part * rest) * s * s;
+  skf_vd error = half * (vd_load(r->off + i) + vd_set(0.5 * FOURTH) * part * rest) * s * s;
   skf_vi near = size <= vd_set(4) * grain;
   skf_vi good = (error <= vd_set(2) * eps * vd_load(at->size + i)) | (error <= vd_set(2) * grain * vd_abs(slope));
-  skf_vi straight = near | (size * bend <= vd_set(SKF_STRAIGHT) * steep);
-  skf_vd loose = size * (vd_load(r->loose + i) + vd_set(0.5 * SKF_THIRD) * rest);
+  skf_vi straight = near | (size * bend <= vd_set(STRAIGHT) * steep);
+  skf_vd loose = size * (vd_load(r->loose + i) + vd_set(0.5 * THIRD) * rest);
   skf_vi turned = loose < vd_set(tracer->normals) * steep;
   skf_vd next = t + s, from = vd_load(r->from + i), to = vd_load(r->to + i);
   skf_vi inside = (next >= from) & (next <= to); /* else the bounds do not hold all the way */

@@ -110,6 +110,24 @@ SKF_INLINE skf_vd quiet_until(const skf_leaf *leaf, const skf_ways *ways, int v)
   return first;
 }
 
+/* As in bernstein.h: Taylor's coefficients at 0, and where the control points' polygon has its root. */
+SKF_INLINE void powers_of(const int n, const skf_vd *c, skf_vd *d) {
+  for (int k = 0; k <= n; k++) d[k] = c[k];
+  for (int k = 1; k <= n; k++)
+    for (int i = n; i >= k; i--) d[i] -= d[i - 1];
+  for (int k = 1, choose = n; k < n; k++) d[k] *= vd_set(choose), choose = choose * (n - k) / (k + 1);
+}
+
+SKF_INLINE skf_vd polygon_root(const int n, const skf_vd *c) {
+  skf_vd zero = vd_set(0), top = c[0], drop = c[0] - c[n], from = zero;
+  for (int k = 0; k < n; k++) {
+    skf_vi here = (c[k] > zero) ^ (c[k + 1] > zero);
+    top = vd_select(here, c[k], top), drop = vd_select(here, c[k] - c[k + 1], drop);
+    from = vd_select(here, vd_set(k), from);
+  }
+  return (from + top / drop) * vd_set(1. / n);
+}
+
 SKF_INLINE skf_vi lanes_on(unsigned lanes, int v) {
   const skf_vi bits = {1, 2, 4, 8};
   return (skf_vi)((vi_set(lanes >> (SKF_LANES * v)) & bits) == bits);

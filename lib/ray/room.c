@@ -67,10 +67,10 @@ static void look(const skf_room *r, size_t m, const skf_tracer *tracer, skf_sigh
   for (size_t i = 0; i < m; i++) s->size[i] = fabs(s->F[i]) + fabs(tracer->iso), s->F[i] -= tracer->iso;
 }
 
-/* The last one again up to a whole vector. */
+/* The last one again up to a whole vector: nobody waits there. */
 static void fill_up(skf_room *r, size_t m, skf_sights *s) {
   for (size_t i = m; i % 4; i++) {
-    if (i >= r->count) move(r, m - 1, i);
+    move(r, m - 1, i);
     s->F[i] = s->F[m - 1], s->size[i] = s->size[m - 1];
     for (int k = 0; k < 3; k++) s->g[k][i] = s->g[k][m - 1];
   }

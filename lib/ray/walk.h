@@ -34,19 +34,12 @@ typedef struct skf_knot {
 
 /* The model of a leaf along a ray at a root of it: half the second derivative, a sixth of the third; how far the
    field's second derivatives may be from the model's; how the model's gradient changes along the ray, and how far from
-   it the field's may, INFINITY where that was not asked for. */
+   it the field's may: by all that it can where the model was not asked, turn = 0. */
 typedef struct skf_bow {
   double c2, c3, off;
   skf_vec3 turn;
   double loose;
 } skf_bow;
-
-/* What the third and the fourth derivatives of a leaf's model may be beside its `bend`, the sum of what the powers
-   amount to; in units of half the cell. */
-#define SKF_THIRD  (SKF_DEGREE - 2.)
-#define SKF_FOURTH ((SKF_DEGREE - 2.) * (SKF_DEGREE - 3.))
-/* Normals that are off by less are right to rounding. */
-#define SKF_STRAIGHT 1e-14
 
 typedef struct skf_walk {
   const skf_tracer *tracer;
