@@ -86,10 +86,10 @@ static skf_status open_stage(skf_picture *r) {
   skf_light_directions(g->directions);
   r->stride = 1 + 3 * (int)g->light_count;
   g->palettes = skf_alloc(s->body_count, sizeof *g->palettes);
-  g->clear = r->clear = skf_alloc(s->body_count, sizeof *r->clear);
+  g->clear = skf_alloc(s->body_count, sizeof *g->clear);
   g->bodies = skf_alloc(s->body_count, sizeof *g->bodies);
   g->looks = skf_alloc(s->body_count, sizeof *g->looks);
-  if (!g->palettes || !r->clear || !g->bodies || !g->looks) return SKF_ERR_NOMEM;
+  if (!g->palettes || !g->clear || !g->bodies || !g->looks) return SKF_ERR_NOMEM;
   for (size_t i = 0; i < s->body_count && !status; i++) {
     skf_render_body *b = g->bodies + i;
     *b = s->bodies[i];
@@ -98,7 +98,7 @@ static skf_status open_stage(skf_picture *r) {
       for (int k = 0; k < 3; k++) g->looks[i].color[k] = b->color[k];
       b->looks = g->looks + i, b->look_count = 1;
     }
-    r->clear[i] = skf_look_is_clear(b);
+    g->clear[i] = skf_look_is_clear(b);
     status = skf_palette_new(b, g->palettes + i);
   }
   return status;
@@ -106,7 +106,7 @@ static skf_status open_stage(skf_picture *r) {
 
 static void close_stage(skf_picture *r) {
   for (size_t i = 0; r->stage.palettes && i < r->s->body_count; i++) skf_palette_free(r->stage.palettes[i]);
-  skf_free(r->stage.palettes), skf_free(r->clear), skf_free(r->stage.bodies), skf_free(r->stage.looks);
+  skf_free(r->stage.palettes), skf_free(r->stage.clear), skf_free(r->stage.bodies), skf_free(r->stage.looks);
   skf_free(r->sights), skf_free(r->raw), skf_free(r->lit), skf_free(r->marks);
 }
 

@@ -38,6 +38,13 @@ void skf_view_lens(const skf_view *view, double x, double y, skf_vec3 *from, skf
 /* How far up in the picture a direction is seen, 0 to 1; those backwards count as if mirrored. */
 double skf_view_height(const skf_view *view, skf_vec3 direction);
 
+/* The k-th random number of a pixel, in [0, 1). */
+static inline double skf_hashed(unsigned x, unsigned y, unsigned k) {
+  unsigned h = x * 73856093u ^ y * 19349663u ^ k * 83492791u;
+  h = (h ^ h >> 15) * 0x2c1b3c6du, h = (h ^ h >> 12) * 0x297a2d39u;
+  return (h ^ h >> 15) / 4294967296.0;
+}
+
 enum { SKF_NOTHING = -1, SKF_GROUND = -2, SKF_RENDER_LIGHTS = 8, SKF_RENDER_BOUNCES = 6 };
 
 /* What a ray meets. */
@@ -67,12 +74,11 @@ typedef struct skf_stage {
   skf_render_body *bodies;             /* the scene's, each with a look */
   skf_look *looks;                     /* of those that have none of their own */
   struct skf_palette **palettes;       /* of each body, or NULL */
-  const bool *clear;                   /* whether a body lets light through anywhere */
+  bool *clear;                         /* whether a body lets light through anywhere */
   int bounces;
 } skf_stage;
 
 /* ---- render_sight.c ---- */
-bool skf_body_moves(const skf_render_body *b);
 /* In the body's own frame. */
 skf_ray skf_body_ray(const skf_render_body *b, const skf_beam *beam, double t_max);
 /* The first surface of one body beyond the ray's start, before best->t. */
@@ -97,9 +103,9 @@ void skf_radiance(const skf_stage *g, const skf_beam *beam, const skf_sight *at,
 /* Along n <= SKF_MANY beams, bit for bit; the light on place k is at lit[k * stride]. */
 void skf_radiance_many(const skf_stage *g, size_t n, const skf_beam *beams, const skf_sight *at, const float *lit,
                        size_t stride, double (*rgb)[3]);
-bool skf_light_is_hard(const skf_light *light);
 
 /* ---- render_shade.c ---- */
+bool skf_light_is_hard(const skf_light *light);
 /* Direction to a light of the stage and how far it is, INFINITY for directional ones. */
 static inline skf_vec3 skf_light_direction(const skf_light *light, skf_vec3 at, double *distance) {
   if (light->directional) return *distance = INFINITY, light->at;

@@ -9,12 +9,6 @@ int skf_share_of(int x, int y) {
   return order[y % SKF_BLOCK][x % SKF_BLOCK];
 }
 
-double skf_hashed(int x, int y, unsigned k) {
-  unsigned h = (unsigned)x * 73856093u ^ (unsigned)y * 19349663u ^ k * 83492791u;
-  h = (h ^ h >> 15) * 0x2c1b3c6du, h = (h ^ h >> 12) * 0x297a2d39u;
-  return (h ^ h >> 15) / 4294967296.0;
-}
-
 /* The part of a beam that light asks for. */
 static skf_beam light_beam(int x, int y) {
   return (skf_beam){.time = 0.5, .share = skf_share_of(x, y), .jitter = {skf_hashed(x, y, 1), skf_hashed(x, y, 2)}};

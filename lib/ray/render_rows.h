@@ -8,7 +8,6 @@
 typedef struct skf_picture {
   skf_stage stage;
   const skf_render_scene *s;
-  bool *clear;
   skf_sight *sights; /* NULL where rows are finished one by one */
   int stride;        /* floats of a lit place */
   float *raw, *lit;  /* from each pixel's own rays, smoothed twice in the end; smoothed once */
@@ -39,7 +38,6 @@ skf_row skf_row_cost;
 skf_beam skf_camera_beam(const skf_picture *r, double px, double py);
 /* Which share of the directions a pixel has. */
 int skf_share_of(int x, int y);
-double skf_hashed(int x, int y, unsigned k);
 /* Whether two pixels see one smooth piece of surface. */
 bool skf_alike(const skf_sight *a, const skf_sight *b);
 /* The light on n <= SKF_MANY places, with the quality's number of rays. */

@@ -2,11 +2,11 @@
 /* What rays meet. */
 #include "ray/render.h"
 
-bool skf_body_moves(const skf_render_body *b) { return b->angle != 0 || b->sweep != 0 || v3_norm2(b->shift) > 0; }
+static bool moves(const skf_render_body *b) { return b->angle != 0 || b->sweep != 0 || v3_norm2(b->shift) > 0; }
 
 skf_ray skf_body_ray(const skf_render_body *b, const skf_beam *beam, double t_max) {
   skf_ray ray = {beam->from, beam->direction, 0, t_max};
-  if (!skf_body_moves(b)) return ray;
+  if (!moves(b)) return ray;
   skf_body_own(b, beam->time, &ray.origin, &ray.direction);
   /* Moved there and back, a start on the surface is off it by more than rounding. */
   if (beam->depth) ray.t_min = 1e-10 * fmax(v3_norm(ray.origin), fmax(v3_norm(b->about), v3_norm(b->shift)));
@@ -16,7 +16,7 @@ skf_ray skf_body_ray(const skf_render_body *b, const skf_beam *beam, double t_ma
 /* A hit in the body's own frame, as the beam sees it. */
 static void see(skf_sight *at, const skf_render_body *b, int body, const skf_hit *hit, const skf_beam *beam) {
   at->body = body, at->t = hit->t, at->at = at->own = hit->at, at->normal = hit->normal;
-  if (skf_body_moves(b)) {
+  if (moves(b)) {
     at->at = v3_mad(beam->from, hit->t, beam->direction);
     at->normal = skf_body_world(b, beam->time, hit->normal);
   }

@@ -30,12 +30,8 @@ static float look_up(const float *line, float x) {
   return line[i] + part * (line[i + 1] - line[i]);
 }
 
-/* Noise of half a step, by a hash of the pixel's place. */
-static double noise_at(size_t x, size_t y) {
-  unsigned h = (unsigned)x * 73856093u ^ (unsigned)y * 19349663u;
-  h = (h ^ h >> 15) * 0x2c1b3c6du, h = (h ^ h >> 12) * 0x297a2d39u, h ^= h >> 15;
-  return h / 4294967296.0 - 0.5;
-}
+/* Noise of half a step. */
+static double noise_at(size_t x, size_t y) { return skf_hashed((unsigned)x, (unsigned)y, 0) - 0.5; }
 
 static unsigned char exact(float x, double noise) {
   return (unsigned char)fmin(fmax(floor(255 * encode(x) + 0.5 + noise), 0), 255);
