@@ -3,6 +3,7 @@
 #ifndef SKF_TESTS_MOTION_RECORD_H
 #define SKF_TESTS_MOTION_RECORD_H
 
+#include "motion/bytes.h"
 #include "motion/worlds.h"
 #include <string.h>
 
@@ -54,29 +55,6 @@ static int tear_down(void **state) {
   skf_world_free(world);
   skf_field_free(field);
   return 0;
-}
-
-/* A file in memory. */
-typedef struct bytes {
-  char *data;
-  size_t n, at, room;
-} bytes;
-
-static skf_status put(void *user, const void *from, size_t n) {
-  bytes *b = user;
-  if (b->n + n > b->room) b->data = realloc(b->data, b->room = 2 * (b->n + n));
-  assert_non_null(b->data);
-  memcpy(b->data + b->n, from, n);
-  b->n += n;
-  return SKF_OK;
-}
-
-static skf_status get(void *user, void *to, size_t n) {
-  bytes *b = user;
-  if (b->at + n > b->n) return SKF_ERR_IO;
-  memcpy(to, b->data + b->at, n);
-  b->at += n;
-  return SKF_OK;
 }
 
 #endif

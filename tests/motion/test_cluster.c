@@ -2,6 +2,7 @@
 /* Particles that attract each other: closed forms, periodic orbits, sums that stay, contacts, the same bits always. */
 #include "motion/cluster.h"
 #include "motion/pairs.h"
+#include "motion/bytes.h"
 #include "motion/worlds.h"
 #include <omp.h>
 #include <stdlib.h>
@@ -315,24 +316,6 @@ static void constants_end_with_the_last_flight(void **state) {
   skf_world_free(w), skf_field_free(field);
 }
 
-/* Where a run with checkpoints goes on. */
-typedef struct store {
-  char *bytes;
-  size_t size, at;
-} store;
-
-static skf_status put(void *user, const void *bytes, size_t n) {
-  store *s = user;
-  s->bytes = realloc(s->bytes, s->size + n);
-  memcpy(s->bytes + s->size, bytes, n), s->size += n;
-  return SKF_OK;
-}
-static skf_status get(void *user, void *bytes, size_t n) {
-  store *s = user;
-  memcpy(bytes, s->bytes + s->at, n), s->at += n;
-  return SKF_OK;
-}
-
 static int stop_soon(void *user, double done) {
   (void)done;
   return --*(int *)user == 0;
@@ -354,7 +337,7 @@ static void saved_clusters_continue(void **state) {
   tape p = fly_all(w, &run, whole), q = {.n = N, .state = malloc(ROWS * N * sizeof(skf_state))};
   assert_true(p.contacts > 0);
   const skf_run_sink sink = {take_row, take_contact, &q};
-  store s = {NULL, 0, 0};
+  bytes s = {0};
   int left = 40, legs = 0;
   for (skf_status ended = SKF_ERR_CANCELLED; ended == SKF_ERR_CANCELLED; legs++, left = 40) {
     skf_runner *r;
@@ -362,7 +345,7 @@ static void saved_clusters_continue(void **state) {
     if (legs) assert_int_equal(skf_runner_load(r, get, &s), SKF_OK);
     ended = skf_runner_fly(r, &sink, &(skf_progress){stop_soon, &left}, NULL);
     assert_true(ended == SKF_OK || ended == SKF_ERR_CANCELLED);
-    s.size = s.at = 0;
+    s.n = s.at = 0;
     assert_int_equal(skf_runner_save(r, put, &s), SKF_OK);
     if (!ended) skf_runner_reports(r, resumed);
     skf_runner_free(r);
@@ -371,7 +354,7 @@ static void saved_clusters_continue(void **state) {
   assert_int_equal(p.rows, q.rows), assert_int_equal(p.contacts, q.contacts);
   assert_memory_equal(p.state, q.state, p.rows * N * sizeof *p.state);
   assert_memory_equal(&whole[0].energy_drift, &resumed[0].energy_drift, sizeof(double));
-  free(p.state), free(q.state), free(s.bytes);
+  free(p.state), free(q.state), free(s.data);
   skf_world_free(w), skf_field_free(field);
 }
 

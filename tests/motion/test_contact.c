@@ -3,17 +3,10 @@
 #include "motion/worlds.h"
 #include "random.h"
 
-static const skf_spin still = {{0, 0, 1}, {0, 0, 0}, 0};
-
 /* A sphere of radius R: the surface of a point mass 1 (G M = gain). */
 static skf_world *sphere(double R, double gain, skf_spin spin, skf_field **field) {
   skf_element e = point_at(0, 0, 0, newton);
   return single(&e, 1, 1 / R, gain, spin, field);
-}
-
-static void drop(skf_world *w, skf_field *f) {
-  skf_world_free(w);
-  skf_field_free(f);
 }
 
 /* From rest at r0 to R: t = sqrt(r0^3 / 2) (acos sqrt x + sqrt(x (1 - x))), x = R / r0, at any scale. */
@@ -39,7 +32,7 @@ static void free_fall_takes_its_time(void **state) {
       check_scaled(v3_dist(end.position, c.position), 0, L, 0);
       check_scaled(v3_norm(end.velocity), 0, L / T, 0);
       skf_flight_free(f);
-      drop(w, field);
+      drop_world(w, field);
     }
 }
 
@@ -60,7 +53,7 @@ static void grazing_is_decided(void **state) {
         assert_int_equal(n, side < 0);
         if (n) check_close(c.t, want, 1e-15 * pow(10, d / 2.0 + 0.5)); /* the crossing is that flat */
         skf_flight_free(f);
-        drop(w, field);
+        drop_world(w, field);
       }
 }
 
@@ -99,7 +92,7 @@ static void spikes_are_not_missed(void **state) {
   }
   assert_in_range(hits, SHOTS / 10, SHOTS);
   skf_tracer_free(tracer);
-  drop(w, field);
+  drop_world(w, field);
 }
 
 /* Born on the surface: outwards is no contact, inwards and at rest one at once; born inside: none until it is back. */
@@ -134,7 +127,7 @@ static void births_on_and_in_the_surface(void **state) {
   assert_true(c.before.x < 0);
   check_close(c.position.x, 1.0, 1e-14);
   skf_flight_free(f);
-  drop(w, field);
+  drop_world(w, field);
 }
 
 /* Along the surface, closer than rounding: no contact, and no endless search. Too fast for it by 1e-8: it leaves. A
@@ -153,7 +146,7 @@ static void flights_along_the_surface(void **state) {
       check_close(v3_norm(s.position), L, 1e-7);
       assert_in_range(skf_flight_get_report(f).bounds, 100, 1000000);
       skf_flight_free(f);
-      drop(w, field);
+      drop_world(w, field);
     }
   skf_field *field;
   skf_world *w = sphere(1, 0, still, &field);
@@ -162,7 +155,7 @@ static void flights_along_the_surface(void **state) {
   check_close(state_at(f, 4, &n, NULL).position.y, 4, 1e-15);
   assert_int_equal(n, 0);
   skf_flight_free(f);
-  drop(w, field);
+  drop_world(w, field);
 }
 
 /* Restitution 1: many bounces, the same height and energy each time. */
@@ -181,7 +174,7 @@ static void elastic_bounces_keep_energy(void **state) {
   check_scaled(b.energy, a.energy, a.scale, 1e-12);
   check_close(v3_norm(c.after), v3_norm(c.before), 1e-14);
   skf_flight_free(f);
-  drop(w, field);
+  drop_world(w, field);
 }
 
 /* Restitution 0.5 and friction: comes to rest after a finite number of bounces; the log tells it and stays short. */
@@ -201,7 +194,7 @@ static void lossy_bounces_come_to_rest(void **state) {
     check_close(v3_norm(s.position), L, 1e-12);
     check_scaled(v3_norm(s.velocity), 0, L / T, 0);
     skf_flight_free(f);
-    drop(w, field);
+    drop_world(w, field);
   }
 }
 
@@ -221,7 +214,7 @@ static void sliding_goes_on_and_friction_stops_it(void **state) {
   check_close(v3_norm(s.velocity), 0.3, 0.01);
   check_close(v3_norm(s.position), 1.0, 1e-5);
   skf_flight_free(f);
-  drop(w, field);
+  drop_world(w, field);
   skf_element plane = {{.shape = SKF_PLANE, .plane = {{0, 0, 0}, {0, 0, 1}}}, {SKF_CAUCHY, 1}, 1};
   w = single(&plane, 1, SKF_PI / 4, 1, still, &field); /* F = pi / (1 + z^2): z = sqrt 3 */
   f = fly(w, (skf_flight_options){.contact = SKF_CONTACT_BOUNCE, .restitution = 0, .friction = 0.2},
@@ -231,7 +224,7 @@ static void sliding_goes_on_and_friction_stops_it(void **state) {
   check_scaled(v3_norm(s.velocity), 0, 1, 0);
   assert_true(s.position.x > 0.5);
   skf_flight_free(f);
-  drop(w, field);
+  drop_world(w, field);
 }
 
 /* Dropped from height 1 right above the origin of a floor that does not pull: all bounces take sqrt(2 / g) (1 + e) / (1
@@ -254,7 +247,7 @@ static void bounces_above_the_origin_end(void **state) {
   check_close(c.t, 3, 2e-3);
   check_scaled(s.position.z, 0, 1, 1e-15);
   skf_flight_free(f);
-  drop(w, field);
+  drop_world(w, field);
 }
 
 /* A sphere that spins: friction drags the particle along; a particle that sticks rides with the ground. */
@@ -283,7 +276,7 @@ static void spinning_ground_counts(void **state) {
   check_scaled(s.velocity.y, 2 * s.position.x, 1, 1e-15);
   assert_int_equal(c.outcome, SKF_OUTCOME_STICK);
   skf_flight_free(f);
-  drop(w, field);
+  drop_world(w, field);
 }
 
 /* Shots at a spinning cross: F = iso and inwards at each contact; starting later in a world that lies the same way
@@ -321,7 +314,7 @@ static void moving_bodies_are_met(void **state) {
     skf_flight_free(g);
   }
   assert_in_range(hits, 20, 180);
-  drop(w, field);
+  drop_world(w, field);
 }
 
 /* Through two spheres that overlap, at any scale: an entry into each, told in order, on a path that they do not
@@ -363,7 +356,7 @@ static void passing_comes_back(void **state) {
   assert_int_equal(n, 10);
   check_scaled(v3_dist(s.position, v3(0.5, 0, 0)), 0, 1, 1e-9);
   skf_flight_free(f);
-  drop(w, field);
+  drop_world(w, field);
 }
 
 static void the_absorbed_are_gone(void **state) {
@@ -383,7 +376,7 @@ static void the_absorbed_are_gone(void **state) {
   assert_int_equal(skf_flight_at(f, c.t, &s), SKF_OK);
   assert_true(isnan(s.position.y));
   skf_flight_free(f);
-  drop(w, field);
+  drop_world(w, field);
 }
 
 int main(void) {

@@ -4,8 +4,6 @@
 #include "motion/worlds.h"
 #include <string.h>
 
-static const skf_spin still = {{0, 0, 1}, {0, 0, 0}, 0};
-
 /* A ring of mass 1 and radius 1: an inclined orbit around it. */
 static void donut_keeps_its_invariants(void **state) {
   (void)state;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Rigid bodies that come to rest on each other, slide and roll: where they must, and never in each other. */
+#include "motion/bytes.h"
 #include "motion/worlds.h"
 #include "skelfield/rigid.h"
-#include <string.h>
 
 /* A body above the plane z = 0, which is the lower half space's; the fields and colliders are the case's own. */
 typedef struct scene {
@@ -179,16 +179,25 @@ static void balls_on_an_incline(void **state) {
   }
 }
 
-/* A pile of three balls that leans on nothing but itself falls apart; momentum about the vertical is not made, and all
-   lie at last. */
-static void a_pile_falls_apart(void **state) {
-  (void)state;
+static const skf_rigid_options pile_options = {
+    .gravity = {0, 0, -1}, .restitution = 0.2, .friction = 0.5, .rolling = 0.1};
+
+/* Three balls above each other, but not quite. */
+static scene pile(void) {
   skf_element e = point_at(0, 0, 0, newton);
   scene s = {.n = 0};
   place(&s, &e, 1, 2);
   s.n = 4;
   for (int i = 1; i < 4; i++) s.body[i].start.position = v3(0.05 * i * i, 0.02 * i, 1.2 * i - 0.6);
-  begin(&s, (skf_rigid_options){.gravity = down, .restitution = 0.2, .friction = 0.5, .rolling = 0.1});
+  return s;
+}
+
+/* A pile of three balls that leans on nothing but itself falls apart; momentum about the vertical is not made, and all
+   lie at last. */
+static void a_pile_falls_apart(void **state) {
+  (void)state;
+  scene s = pile();
+  begin(&s, pile_options);
   for (int i = 1; i <= 4; i++) go(&s, 4 * i);
   for (size_t i = 1; i < 4; i++) check_scaled(skf_swarm_state(s.swarm, i).position.z, 0.5, 0.5, 1e-7);
   assert_true(skf_swarm_is_still(s.swarm));
@@ -252,57 +261,32 @@ static void a_pair_in_space_keeps_its_momenta(void **state) {
   }
 }
 
-typedef struct tape {
-  char bytes[4096];
-  size_t n, at;
-} tape;
-
-static skf_status record(void *user, const void *bytes, size_t n) {
-  tape *t = user;
-  assert_true(t->n + n <= sizeof t->bytes);
-  memcpy(t->bytes + t->n, bytes, n);
-  t->n += n;
-  return SKF_OK;
-}
-
-static skf_status replay(void *user, void *bytes, size_t n) {
-  tape *t = user;
-  assert_true(t->at + n <= t->n);
-  memcpy(bytes, t->bytes + t->at, n);
-  t->at += n;
-  return SKF_OK;
-}
-
 /* Saved and loaded anywhere between, before the first touch or after the last one, it ends in the same bits. */
 static void a_pile_saved_goes_on(void **state) {
   (void)state;
-  skf_element e = point_at(0, 0, 0, newton);
-  scene s = {.n = 0};
-  place(&s, &e, 1, 2);
-  s.n = 4;
-  for (int i = 1; i < 4; i++) s.body[i].start.position = v3(0.05 * i * i, 0.02 * i, 1.2 * i - 0.6);
-  const skf_rigid_options o = {.gravity = down, .restitution = 0.2, .friction = 0.5, .rolling = 0.1};
-  begin(&s, o);
-  tape last = {.n = 0};
+  scene s = pile();
+  begin(&s, pile_options);
+  bytes last = {0}, t = {0};
   for (int i = 1; i <= 12; i++) {
-    tape t = {.n = 0};
-    assert_int_equal(skf_swarm_save(s.swarm, record, &t), SKF_OK);
+    t.n = t.at = 0;
+    assert_int_equal(skf_swarm_save(s.swarm, put, &t), SKF_OK);
     skf_swarm *again;
-    assert_int_equal(skf_swarm_new(s.body, s.n, &o, &again), SKF_OK);
-    assert_int_equal(skf_swarm_load(again, replay, &t), SKF_OK);
+    assert_int_equal(skf_swarm_new(s.body, s.n, &pile_options, &again), SKF_OK);
+    assert_int_equal(skf_swarm_load(again, get, &t), SKF_OK);
     assert_int_equal(skf_swarm_run(again, 0.4 * i, NULL, NULL), SKF_OK);
     assert_int_equal(skf_swarm_run(s.swarm, 0.4 * i, NULL, NULL), SKF_OK);
     last.n = 0, t.n = 0, t.at = 0;
-    assert_int_equal(skf_swarm_save(s.swarm, record, &last), SKF_OK);
-    assert_int_equal(skf_swarm_save(again, record, &t), SKF_OK);
+    assert_int_equal(skf_swarm_save(s.swarm, put, &last), SKF_OK);
+    assert_int_equal(skf_swarm_save(again, put, &t), SKF_OK);
     assert_int_equal(t.n, last.n);
-    assert_memory_equal(t.bytes, last.bytes, t.n);
+    assert_memory_equal(t.data, last.data, t.n);
     skf_swarm_free(again);
   }
   skf_swarm *other;
   assert_int_equal(skf_swarm_new(s.body, s.n, &(skf_rigid_options){.gravity = down}, &other), SKF_OK);
-  assert_int_equal(skf_swarm_load(other, replay, &last), SKF_ERR_PARSE);
+  assert_int_equal(skf_swarm_load(other, get, &last), SKF_ERR_PARSE);
   skf_swarm_free(other);
+  free(last.data), free(t.data);
   end(&s);
 }
 

@@ -4,13 +4,6 @@
 #include "motion/worlds.h"
 #include "random.h"
 
-static const skf_spin still = {{0, 0, 1}, {0, 0, 0}, 0};
-
-static void drop(skf_world *w, skf_field *f) {
-  skf_world_free(w);
-  skf_field_free(f);
-}
-
 static skf_touching touch(const skf_world *w, skf_ballistic m, double t0, double t1, skf_search how, skf_contact *c) {
   skf_touching is;
   assert_int_equal(skf_world_touch(w, &m, t0, t1, how, &is, c, NULL), SKF_OK);
@@ -61,7 +54,7 @@ static void three_answers(void **state) {
   assert_int_equal(skf_world_touch(w, &in, 0, 1, SKF_SEARCH_FAST, &is, NULL, NULL), SKF_ERR_RANGE);
   in.velocity.x = 1;
   assert_int_equal(skf_world_touch(w, &in, 1, 0, SKF_SEARCH_FAST, &is, NULL, NULL), SKF_ERR_RANGE);
-  drop(w, field);
+  drop_world(w, field);
 }
 
 enum { EVENTS = 16 };
@@ -99,7 +92,7 @@ static void pieces_of_a_motion_agree(void **state) {
         met += is != SKF_TOUCHING_NONE;
       }
     }
-    drop(w, field);
+    drop_world(w, field);
   }
   assert_in_range(met, 150, 5000);
 }
@@ -130,7 +123,7 @@ static void scales_do_not_matter(void **state) {
     hits += is != 0;
   }
   assert_in_range(hits, 50, 400);
-  drop(w, field), drop(large, large_field), drop(small, small_field);
+  drop_world(w, field), drop_world(large, large_field), drop_world(small, small_field);
 }
 
 /* Brute force with 4000 places on each path: none is inside before the contact; each contact is on the surface and goes
@@ -188,7 +181,7 @@ static void the_fast_search_is_bounded(void **state) {
     skf_flight_report r = skf_flight_get_report(f);
     assert_true(r.bounds <= 16 * (r.steps + r.contacts));
     skf_flight_free(f);
-    drop(w, field);
+    drop_world(w, field);
   }
 }
 
@@ -210,7 +203,7 @@ static void closest_approaches(void **state) {
   check_close(a.level, 2 - 10, 1e-14);
   check_close(a.distance, 8 * 0.25, 1e-14);
   skf_flight_free(f);
-  drop(w, field);
+  drop_world(w, field);
   w = single(&e, 1, 10, 1, still, &field);
   skf_state half = {0, {-1.5, 0, 0}, {0, -sqrt(1 / 3.0), 0}}; /* at the apoapsis of e = 0.5 */
   f = fly(w, o, half);
@@ -227,7 +220,7 @@ static void closest_approaches(void **state) {
   check_close(a.t, c.t, 1e-15);
   check_scaled(a.level, 0, 10, 1e-14);
   skf_flight_free(f);
-  drop(w, field);
+  drop_world(w, field);
   w = cross(1, (skf_spin){{0, 0, 1}, {0, 0, 0}, 1}, &field);
   o.contact = SKF_CONTACT_NONE;
   uint64_t seed = 3;
@@ -249,7 +242,7 @@ static void closest_approaches(void **state) {
     check_scaled(skf_world_level(w, 0, a.t, a.position), a.level, 1, 1e-14);
     skf_flight_free(f);
   }
-  drop(w, field);
+  drop_world(w, field);
 }
 
 /* A plane of the inverse kernel: F = -2 pi |z|, the same weight everywhere; the ground is at z = 1. */
@@ -287,7 +280,7 @@ static void bounces_lose_what_they_should(void **state) {
     assert_in_range(n, 15, 25); /* e^2n H > 1e-6 L */
     check_scaled(c.t, T * (1 + e) / (1 - e), T, 1e-2);
     skf_flight_free(f);
-    drop(w, field);
+    drop_world(w, field);
   }
 }
 
@@ -309,7 +302,7 @@ static void slides_end_where_they_should(void **state) {
     check_close(s.position.z, 1, 1e-5);
     assert_in_range(n, 1, 4);
     skf_flight_free(f);
-    drop(w, field);
+    drop_world(w, field);
   }
 }
 
@@ -334,7 +327,7 @@ static void bounces_on_the_donut_end(void **state) {
     check_scaled(skf_world_level(w, 0, 40, s.position), 0, 7.38278, c.outcome == SKF_OUTCOME_REST ? 1e-13 : 1e-4);
   }
   assert_true(rests >= 8);
-  drop(w, field);
+  drop_world(w, field);
 }
 
 int main(void) {

@@ -4,13 +4,7 @@
 #include "motion/worlds.h"
 #include "random.h"
 
-static const skf_spin still = {{0, 0, 1}, {0, 0, 0}, 0};
 static const skf_flight_options stop = {.contact = SKF_CONTACT_STOP};
-
-static void drop(skf_world *w, skf_field *f) {
-  skf_world_free(w);
-  skf_field_free(f);
-}
 
 /* A cross of two bars, of size 1. */
 static skf_world *cross(double gain, skf_spin spin, skf_field **field) {
@@ -60,7 +54,7 @@ static void fourteen_decades_of_speed(void **state) {
         }
         skf_flight_free(f);
       }
-      drop(w, field);
+      drop_world(w, field);
     }
     assert_in_range(hits, 20, 80);
   }
@@ -101,7 +95,7 @@ static void slow_and_fast_meet_the_spin(void **state) {
       hits += n;
       skf_flight_free(f);
     }
-    drop(w, field);
+    drop_world(w, field);
   }
   assert_in_range(hits, 20, 100);
 }
@@ -125,7 +119,7 @@ static void grazing_the_spin_is_decided(void **state) {
         if (n) check_scaled(gap(L, 0.3 * L, 2, &s, c.t), 0, L, 1e-15);
         if (n) assert_true(c.t < 0);
         skf_flight_free(f);
-        drop(w, field);
+        drop_world(w, field);
       }
 }
 
@@ -152,7 +146,7 @@ static void a_late_start_flips_nothing(void **state) {
     skf_flight_free(f), skf_flight_free(g);
   }
   assert_in_range(hits, 20, 80);
-  drop(w, field);
+  drop_world(w, field);
 }
 
 /* Entries on the way forth are exits on the way back: there are as many of each for those that end outside. */
@@ -181,7 +175,7 @@ static void reversed_time_flips_nothing(void **state) {
       entries += n, flights++;
       skf_flight_free(g);
     }
-    drop(w, field), drop(back, back_field);
+    drop_world(w, field), drop_world(back, back_field);
   }
   assert_true(entries >= 30 && flights >= 100);
 }
@@ -208,7 +202,7 @@ static void rest_rides_along(void **state) {
     check_scaled(s.position.y, c.position.x, L, 1e-13);
     check_scaled(skf_world_level(w, 0, s.t, s.position), 0, 1 / L, 1e-13);
     skf_flight_free(f);
-    drop(w, field);
+    drop_world(w, field);
   }
 }
 
@@ -273,7 +267,7 @@ static void misses_know_their_distance(void **state) {
     check_close(v3_norm(a.position), 0.5 * L, 1e-12);
     check_close(a.level, (2 - 10) / L, 1e-12);
     skf_flight_free(f);
-    drop(w, field);
+    drop_world(w, field);
   }
 }
 

@@ -23,6 +23,7 @@ static inline skf_element ring_of(double radius, skf_kernel kernel, double stren
 }
 
 static const skf_kernel newton = {SKF_INVERSE, 0};
+static const skf_spin still = {{0, 0, 1}, {0, 0, 0}, 0};
 
 static inline skf_field *field_of(const skf_element *e, size_t n) {
   skf_field *f;
@@ -41,6 +42,11 @@ static inline skf_world *single(const skf_element *e, size_t n, double iso, doub
                                 skf_field **field) {
   *field = field_of(e, n);
   return world_of(&(skf_attractor){*field, iso, gain, spin}, 1);
+}
+
+static inline void drop_world(skf_world *w, skf_field *field) {
+  skf_world_free(w);
+  skf_field_free(field);
 }
 
 static inline skf_flight *fly(const skf_world *w, skf_flight_options o, skf_state start) {
