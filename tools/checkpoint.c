@@ -75,6 +75,16 @@ uint64_t checkpoint_identity(const skf_scene *scene, const char *scene_path, con
 
 static int broken(const char *what) { return cli_fail(CLI_FAILED, "%s: %s", what, strerror(errno)); }
 
+static int name_journal(checkpoint *c) {
+  int n = snprintf(c->journal_path, sizeof c->journal_path, "%s.journal", c->path);
+  if (n < (int)sizeof c->journal_path) return CLI_DONE;
+  return cli_fail(CLI_BAD, "%s: expected a shorter name", c->path);
+}
+
+static bool is_own(const checkpoint *c, const char *path) {
+  return path && (cli_same_file(c->path, path) || cli_same_file(c->journal_path, path));
+}
+
 int checkpoint_options(checkpoint *c, const cli *line, const char *const *outputs, int output_count) {
   const char *keep = cli_value(line, "checkpoint"), *resume = cli_value(line, "resume");
   struct stat about;
@@ -84,24 +94,15 @@ int checkpoint_options(checkpoint *c, const cli *line, const char *const *output
   if (!c->path)
     return cli_given(line, "every-seconds") ? cli_fail(CLI_BAD, "--every-seconds needs --checkpoint FILE") : CLI_DONE;
   c->anew = !resume || (keep && stat(resume, &about) != 0);
-  bool taken = cli_same_file(c->path, cli_operand(line, 0));
-  for (int i = 0; i < output_count; i++) {
-    const char *other = cli_value(line, outputs[i]);
-    taken = taken || (other && cli_same_file(c->path, other));
-  }
+  int status = name_journal(c);
+  if (status) return status;
+  bool taken = is_own(c, cli_operand(line, 0));
+  for (int i = 0; i < output_count; i++) taken = taken || is_own(c, cli_value(line, outputs[i]));
   if (taken) return cli_fail(CLI_BAD, "--checkpoint and another argument name the same file");
   return cli_number(line, "every-seconds", 0, &c->every);
 }
 
-static int name_journal(checkpoint *c) {
-  int n = snprintf(c->journal_path, sizeof c->journal_path, "%s.journal", c->path);
-  if (n < (int)sizeof c->journal_path) return CLI_DONE;
-  return cli_fail(CLI_BAD, "%s: expected a shorter name", c->path);
-}
-
 static int begin(checkpoint *c) {
-  int status = name_journal(c);
-  if (status) return status;
   if (unlink(c->path) && errno != ENOENT) return broken(c->path); /* it is about another journal */
   c->journal = fopen(c->journal_path, "w+b");
   return c->journal ? CLI_DONE : broken(c->journal_path);
@@ -132,11 +133,9 @@ static int end_state(checkpoint *c, summed *f, skf_status s) {
 }
 
 static int open_state(checkpoint *c, summed *f, head *h) {
-  int status = name_journal(c);
-  if (status) return status;
   f->file = fopen(c->path, "rb");
   if (!f->file) return cli_fail(CLI_BAD, "%s: %s, expected a checkpoint", c->path, strerror(errno));
-  status = read_head(c, f, h);
+  int status = read_head(c, f, h);
   return status == CLI_DONE && h->complete ? end_state(c, f, SKF_OK) : status;
 }
 

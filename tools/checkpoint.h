@@ -29,7 +29,7 @@ typedef struct checkpoint {
 uint64_t checkpoint_identity(const skf_scene *scene, const char *scene_path, const skf_world *world,
                              const skf_state *starts);
 
-/* From --checkpoint, --resume and --every-seconds: path, anew and every. Refuses the names of the scene and of what
+/* From --checkpoint, --resume and --every-seconds: paths, anew and every. Refuses the names of the scene and of what
    these options write. CLI_DONE, or another status after the message, as all of these. */
 int checkpoint_options(checkpoint *c, const cli *line, const char *const *outputs, int output_count);
 

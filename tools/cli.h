@@ -68,6 +68,9 @@ int cli_out_commit(cli_out *o); /* flushes, syncs, checks for errors, renames */
 void cli_out_abort(cli_out *o);
 /* Whether two names are one regular file, now or when both have been written. */
 bool cli_same_file(const char *a, const char *b);
+/* Refuses options, of those that name outputs, that name one file or the scene (operand 0). CLI_DONE, or CLI_BAD after
+   the message. */
+int cli_distinct(const cli *c, const char *const *options, int count);
 
 /* A clock that never goes back [s]. */
 double cli_seconds(void);

@@ -176,3 +176,18 @@ bool cli_same_file(const char *a, const char *b) {
   true_name(a, x), true_name(b, y);
   return strcmp(x, y) == 0;
 }
+
+int cli_distinct(const cli *c, const char *const *options, int count) {
+  for (int i = 0; i < count; i++) {
+    const char *path = cli_value(c, options[i]);
+    if (!path || strcmp(path, "-") == 0) continue;
+    if (cli_same_file(path, cli_operand(c, 0)))
+      return cli_fail(CLI_BAD, "--%s %s is the scene, expected another file", options[i], path);
+    for (int k = 0; k < i; k++) {
+      const char *other = cli_value(c, options[k]);
+      if (other && strcmp(other, "-") != 0 && cli_same_file(path, other))
+        return cli_fail(CLI_BAD, "--%s and --%s name the same file", options[i], options[k]);
+    }
+  }
+  return CLI_DONE;
+}

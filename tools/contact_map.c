@@ -72,17 +72,11 @@ static int choose_quantity(contact_map *m, const cli *c) {
 }
 
 static int choose_files(contact_map *m, const cli *c) {
-  static const char *const others[] = {"output", "contacts", "contact-bins"};
   m->picture_path = cli_value(c, "contact-map"), m->table_path = cli_value(c, "contact-bins");
   for (int k = 0; k < 2; k++) {
     const char *path = k ? m->table_path : m->picture_path;
     if (path && strcmp(path, "-") == 0)
       return cli_fail(CLI_BAD, "--contact-%s: expected a file name", k ? "bins" : "map");
-    for (size_t i = 0; path && i < sizeof others / sizeof *others; i++) {
-      const char *other = cli_value(c, others[i]);
-      if (other && other != path && cli_same_file(path, other))
-        return cli_fail(CLI_BAD, "--contact-%s and --%s name the same file", k ? "bins" : "map", others[i]);
-    }
   }
   if (!m->picture_path) return CLI_DONE;
   int status = picture_format_of(m->picture_path, &m->format);

@@ -5,13 +5,7 @@
 #include <string.h>
 
 static int check(const run_approaches *a, const cli *c) {
-  static const char *const others[] = {"output", "contacts", "contact-map", "contact-bins"};
   if (strcmp(a->path, "-") == 0) return cli_fail(CLI_BAD, "--approach: expected a file name");
-  for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
-    const char *other = cli_value(c, others[i]);
-    if (other && cli_same_file(a->path, other))
-      return cli_fail(CLI_BAD, "--approach and --%s name the same file", others[i]);
-  }
   for (size_t i = 0; i < a->scene->particle_count; i++)
     if (a->scene->particles[i].mass != 0)
       return cli_fail(CLI_BAD, "%s:%ld: particle '%s' has a mass, expected none for --approach", cli_operand(c, 0),

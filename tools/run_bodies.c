@@ -30,8 +30,11 @@ bool bodies_move(const skf_scene *scene) {
   return i < scene->body_count;
 }
 
+enum { OUTPUTS = 2 };
+static const char *const outputs[OUTPUTS] = {"contacts", "bodies"};
+
 static int check(const cli *c, const skf_scene *scene) {
-  const char *path = cli_operand(c, 0), *rows = cli_value(c, "bodies"), *hits = cli_value(c, "contacts");
+  const char *path = cli_operand(c, 0), *hits = cli_value(c, "contacts");
   if (!scene->simulation.given)
     return cli_fail(CLI_BAD, "%s: no simulation, expected one with t_end and output_every", path);
   if (scene->particle_count)
@@ -51,8 +54,7 @@ static int check(const cli *c, const skf_scene *scene) {
                       scene->bodies[i].line, scene->bodies[i].name);
   if (scene->simulation.turning) return cli_fail(CLI_BAD, "%s: bodies move, expected frame: inertial", path);
   if (hits && strcmp(hits, "-") == 0) return cli_fail(CLI_BAD, "--contacts needs a file name here");
-  if (hits && rows && cli_same_file(hits, rows)) return cli_fail(CLI_BAD, "--bodies and --contacts name the same file");
-  return CLI_DONE;
+  return cli_distinct(c, outputs, OUTPUTS);
 }
 
 static double mass_of(const skf_body *b) {
@@ -283,11 +285,10 @@ static int fly(bodies *s) {
 }
 
 int run_bodies(const cli *c, const skf_scene *scene) {
-  static const char *const outputs[] = {"bodies", "contacts"};
   bodies s = {.c = c, .scene = scene, .still = INFINITY, .alone = {.size = 1}};
   s.keep = (checkpoint){.kind = &kind, .crew = &s.alone};
   int status = check(c, scene);
-  if (status == CLI_DONE) status = checkpoint_options(&s.keep, c, outputs, 2);
+  if (status == CLI_DONE) status = checkpoint_options(&s.keep, c, outputs, OUTPUTS);
   if (status == CLI_DONE) status = prepare(&s);
   s.states = calloc(scene->body_count, sizeof *s.states);
   if (status == CLI_DONE && !s.states) status = cli_fail(CLI_FAILED, "out of memory");

@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+const char *const run_output_options[RUN_OUTPUT_OPTIONS] = {"output", "contacts", "contact-map", "contact-bins",
+                                                            "approach"};
+
 static bool to_stdout(const char *path) { return !path || strcmp(path, "-") == 0; }
 
 int run_outputs_check(const cli *c) {
@@ -15,7 +18,7 @@ int run_outputs_check(const cli *c) {
     return cli_fail(CLI_BAD, "--contacts - needs stdout for itself, expected a file name");
   if (contacts && out && !to_stdout(out) && cli_same_file(out, contacts))
     return cli_fail(CLI_BAD, "-o and --contacts name the same file");
-  return CLI_DONE;
+  return cli_distinct(c, run_output_options, RUN_OUTPUT_OPTIONS);
 }
 
 /* The frame of rows and contacts: that of the option, or the scene's. */

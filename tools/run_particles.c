@@ -84,9 +84,8 @@ static uint64_t identity(const particles *s) {
 }
 
 static int keep_checkpoints(particles *s) {
-  static const char *const outputs[] = {"output", "contacts", "contact-map", "contact-bins", "approach"};
   s->keep = (checkpoint){.kind = &checkpoint_of_runner, .crew = s->crew, .particles = s->scene->particle_count};
-  int status = checkpoint_options(&s->keep, s->c, outputs, 5);
+  int status = checkpoint_options(&s->keep, s->c, run_output_options, RUN_OUTPUT_OPTIONS);
   if (s->keep.path) s->keep.identity = identity(s);
   return status;
 }

@@ -74,6 +74,8 @@ run simulate rain.yaml -o part.csv --resume no.ckpt
 expect_refused "a checkpoint that is not there" 'no.ckpt: No such file or directory, expected a checkpoint'
 run simulate rain.yaml -o part.csv --resume rain.yaml
 expect_refused "the scene as a checkpoint" '--checkpoint and another argument name the same file'
+run simulate rain.yaml -o part.csv --contacts ./new.ckpt.journal --checkpoint new.ckpt
+expect_refused "the journal as a table" '--checkpoint and another argument name the same file'
 run simulate rain.yaml -o part.csv --resume whole.csv
 expect_refused "a table as a checkpoint" 'whole.csv: this is no checkpoint, expected one'
 head -c 2000 long.ckpt >cut.ckpt

@@ -234,6 +234,10 @@ run simulate past.yaml -o run.csv --approach again.csv --threads 1 --checkpoint 
 expect_same "one thread and a checkpoint change nothing" near.csv again.csv
 run simulate past.yaml -o run.csv --approach run.csv
 expect_refused "one file for rows and approaches" "--approach and --output name the same file"
+for option in contacts approach; do
+  run simulate past.yaml -o run.csv --$option ./past.yaml
+  expect_refused "the scene as --$option" "--$option ./past.yaml is the scene, expected another file"
+done
 run simulate pair.yaml -o run.csv --approach near.csv
 expect_refused "approaches of what has a mass" "pair.yaml:5: particle 'a' has a mass, expected none for --approach"
 
