@@ -81,11 +81,7 @@ static int name_journal(checkpoint *c) {
   return cli_fail(CLI_BAD, "%s: expected a shorter name", c->path);
 }
 
-static bool is_own(const checkpoint *c, const char *path) {
-  return path && (cli_same_file(c->path, path) || cli_same_file(c->journal_path, path));
-}
-
-int checkpoint_options(checkpoint *c, const cli *line, const char *const *outputs, int output_count) {
+int checkpoint_options(checkpoint *c, const cli *line) {
   const char *keep = cli_value(line, "checkpoint"), *resume = cli_value(line, "resume");
   struct stat about;
   if (keep && resume && strcmp(keep, resume) != 0)
@@ -96,9 +92,8 @@ int checkpoint_options(checkpoint *c, const cli *line, const char *const *output
   c->anew = !resume || (keep && stat(resume, &about) != 0);
   int status = name_journal(c);
   if (status) return status;
-  bool taken = is_own(c, cli_operand(line, 0));
-  for (int i = 0; i < output_count; i++) taken = taken || is_own(c, cli_value(line, outputs[i]));
-  if (taken) return cli_fail(CLI_BAD, "--checkpoint and another argument name the same file");
+  if (cli_names(line, c->path) || cli_names(line, c->journal_path))
+    return cli_fail(CLI_BAD, "--checkpoint and another argument name the same file");
   return cli_number(line, "every-seconds", 0, &c->every);
 }
 

@@ -31,7 +31,7 @@ uint64_t checkpoint_identity(const skf_scene *scene, const char *scene_path, con
 
 /* From --checkpoint, --resume and --every-seconds: paths, anew and every. Refuses the names of the scene and of what
    these options write. CLI_DONE, or another status after the message, as all of these. */
-int checkpoint_options(checkpoint *c, const cli *line, const char *const *outputs, int output_count);
+int checkpoint_options(checkpoint *c, const cli *line);
 
 /* All processes call these two. */
 /* Begins, or continues where the file says, after checking that it is about this run: fills the run and cuts the

@@ -25,6 +25,7 @@ typedef struct cli_command {
   const char *notes; /* more help: columns, units, examples; may be NULL */
   int (*run)(cli *c);
   bool shares; /* its work among the processes of an MPI launcher; others are refused there */
+  const char *const *writes, *const *reads; /* options that name files, besides the operands; NULL ends each */
 } cli_command;
 
 /* Operand i; the value of an option (last one wins) or NULL; whether an option or flag was given. */
@@ -68,9 +69,8 @@ int cli_out_commit(cli_out *o); /* flushes, syncs, checks for errors, renames */
 void cli_out_abort(cli_out *o);
 /* Whether two names are one regular file, now or when both have been written. */
 bool cli_same_file(const char *a, const char *b);
-/* Refuses options, of those that name outputs, that name one file or the scene (operand 0). CLI_DONE, or CLI_BAD after
-   the message. */
-int cli_distinct(const cli *c, const char *const *options, int count);
+/* Whether an operand, or an option of those that name files, names this one. */
+bool cli_names(const cli *c, const char *path);
 
 /* A clock that never goes back [s]. */
 double cli_seconds(void);

@@ -3,7 +3,6 @@
 #include "cli_private.h"
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -156,38 +155,4 @@ void cli_out_abort(cli_out *o) {
   o->file = NULL;
   if (o->temp[0] && strcmp(o->temp, o->path) != 0) unlink(o->temp);
   forget(o->temp);
-}
-
-/* The folder and the last part of a name that does not exist yet; of one that does, the file behind it. */
-static void true_name(const char *path, char out[PATH_MAX]) {
-  char folder[PATH_MAX];
-  if (realpath(path, out)) return;
-  const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-  snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
-  if (!realpath(folder, out)) snprintf(out, PATH_MAX, "%s", folder);
-  size_t n = strlen(out);
-  snprintf(out + n, PATH_MAX - n, "/%s", name);
-}
-
-bool cli_same_file(const char *a, const char *b) {
-  char x[PATH_MAX], y[PATH_MAX];
-  struct stat s, t;
-  if (stat(a, &s) == 0 && stat(b, &t) == 0) return s.st_dev == t.st_dev && s.st_ino == t.st_ino && S_ISREG(s.st_mode);
-  true_name(a, x), true_name(b, y);
-  return strcmp(x, y) == 0;
-}
-
-int cli_distinct(const cli *c, const char *const *options, int count) {
-  for (int i = 0; i < count; i++) {
-    const char *path = cli_value(c, options[i]);
-    if (!path || strcmp(path, "-") == 0) continue;
-    if (cli_same_file(path, cli_operand(c, 0)))
-      return cli_fail(CLI_BAD, "--%s %s is the scene, expected another file", options[i], path);
-    for (int k = 0; k < i; k++) {
-      const char *other = cli_value(c, options[k]);
-      if (other && strcmp(other, "-") != 0 && cli_same_file(path, other))
-        return cli_fail(CLI_BAD, "--%s and --%s name the same file", options[i], options[k]);
-    }
-  }
-  return CLI_DONE;
 }

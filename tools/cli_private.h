@@ -25,6 +25,9 @@ extern const cli_command *const cli_commands[];
 /* Parses what follows the command's name. CLI_DONE or CLI_BAD after the message. */
 int cli_parse(cli *c, const cli_command *command, int argc, char **argv);
 
+/* Whether each file that is written is named once, and not read. CLI_DONE or CLI_BAD after the message. */
+int cli_check_files(const cli *c);
+
 void cli_help_program(FILE *f);
 void cli_help_command(FILE *f, const cli_command *command);
 /* "scene": what a scene file may hold. */

@@ -116,13 +116,7 @@ static const cli_option options[] = {
     CLI_ACCURACY,
 };
 
-const cli_command cmd_eval = {
-    "eval",
-    "SCENE POINTS.csv",
-    "the field and its gradient at points",
-    2,
-    options,
-    sizeof options / sizeof *options,
+static const char notes[] =
     "in:  CSV with the header x,y,z: points in the inertial frame at t = 0; - reads stdin\n"
     "out: x,y,z,F,gx,gy,gz, one row for each point, in order; F is the sum over the bodies of\n"
     "     F(p) = sum of strength times the integral of the kernel over the primitive, g its gradient;\n"
@@ -133,5 +127,18 @@ const cli_command cmd_eval = {
     "     (not with --tensor) in bodies of 5000 inverse or gaussian primitives or more (12500 if they are points;\n"
     "     four times as many of the other two); else, and with --accuracy exact, every primitive is added up, to\n"
     "     rounding.\n"
-    "example: skelfield eval data/donut.yaml points.csv -o field.csv",
-    run};
+    "example: skelfield eval data/donut.yaml points.csv -o field.csv";
+
+static const char *const writes[] = {"output", NULL};
+
+const cli_command cmd_eval = {
+    .name = "eval",
+    .operands = "SCENE POINTS.csv",
+    .summary = "the field and its gradient at points",
+    .operand_count = 2,
+    .options = options,
+    .option_count = sizeof options / sizeof *options,
+    .notes = notes,
+    .run = run,
+    .writes = writes,
+};

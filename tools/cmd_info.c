@@ -61,17 +61,24 @@ static const cli_option options[] = {
     {'o', "output", "FILE", "where it goes (default: stdout)"},
 };
 
-const cli_command cmd_info = {
-    "info",
-    "SCENE",
-    "what a scene holds: primitives, measures, masses, bounds",
-    1,
-    options,
-    sizeof options / sizeof *options,
+static const char notes[] =
     "For each body: its primitives and their measures (count, length, area), mass, density in force and G M,\n"
     "the bounds of the skeleton and a box that holds the whole surface, and for each kernel on each kind of\n"
     "primitive whether the field is a closed form or adaptive quadrature, to what relative error, and where it\n"
     "is singular. Where handles (radius, blobbiness, influence) gave parameter and strength: these, and the handles\n"
     "as they came out, the radius found anew on the field of the entry alone.\n"
-    "example: skelfield info data/donut.yaml --json",
-    run};
+    "example: skelfield info data/donut.yaml --json";
+
+static const char *const writes[] = {"output", NULL};
+
+const cli_command cmd_info = {
+    .name = "info",
+    .operands = "SCENE",
+    .summary = "what a scene holds: primitives, measures, masses, bounds",
+    .operand_count = 1,
+    .options = options,
+    .option_count = sizeof options / sizeof *options,
+    .notes = notes,
+    .run = run,
+    .writes = writes,
+};

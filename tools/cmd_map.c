@@ -49,8 +49,6 @@ static int parse(map_job *j) {
   if (!status) status = whole(c, "levels", 0, 60, &j->levels);
   if (!status) status = whole(c, "every", 1, 64, &j->every);
   if (status || (cli_given(c, "csv") && !cli_given(c, "output"))) return status;
-  if (cli_given(c, "csv") && cli_same_file(cli_value(c, "output"), cli_value(c, "csv")))
-    return cli_fail(CLI_BAD, "-o and --csv name the same file");
   status = picture_format(c, &j->format);
   if (!status && j->format->linear)
     status = cli_fail(CLI_BAD, "%s: this format holds light, a map needs one for pictures such as .png",
@@ -187,6 +185,9 @@ static const cli_option options[] = {
     {0, "csv", "FILE", "also write the samples: x,y,z and the quantity; without -o only these"},
 };
 
+static const char *const writes[] = {"output", "csv", NULL};
+static const char *const reads[] = {"font", "orbits", "contacts", NULL};
+
 const cli_command cmd_map = {
     .name = "map",
     .operands = "SCENE",
@@ -201,4 +202,6 @@ const cli_command cmd_map = {
         "  skelfield map donut.yaml -o donut.png --plane y=0 --quantity potential\n"
         "  skelfield map donut.yaml -o orbits.png --orbits run.csv --contacts contacts.csv\n",
     .run = run,
+    .writes = writes,
+    .reads = reads,
 };

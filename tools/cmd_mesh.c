@@ -81,16 +81,23 @@ static const cli_option options[] = {
     {'b', "body", "NAME", "this body alone (default: all bodies, one after the other)"},
 };
 
-const cli_command cmd_mesh = {
-    "mesh",
-    "SCENE",
-    "a closed triangle mesh of the isosurface",
-    1,
-    options,
-    sizeof options / sizeof *options,
+static const char notes[] =
     "Each body is meshed in its own frame, which is the inertial frame at t = 0. The mesh is a closed\n"
     "2-manifold, oriented outwards and free of self-intersections; its vertices lie on F = iso to\n"
     "rounding. Files with several bodies carry the body's index: PLY as the faces' property body, OBJ\n"
     "as groups, STL as the attribute. The figures of the mesh go to stderr.\n"
-    "example: skelfield mesh data/donut.yaml -o donut.ply --edge 5e5",
-    run};
+    "example: skelfield mesh data/donut.yaml -o donut.ply --edge 5e5";
+
+static const char *const writes[] = {"output", NULL};
+
+const cli_command cmd_mesh = {
+    .name = "mesh",
+    .operands = "SCENE",
+    .summary = "a closed triangle mesh of the isosurface",
+    .operand_count = 1,
+    .options = options,
+    .option_count = sizeof options / sizeof *options,
+    .notes = notes,
+    .run = run,
+    .writes = writes,
+};

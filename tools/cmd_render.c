@@ -142,6 +142,9 @@ static const cli_option options[] = {
     {0, "bodies", "FILE", "put the bodies where simulate --bodies wrote that they are at --time"},
 };
 
+static const char *const writes[] = {"output", NULL};
+static const char *const reads[] = {"orbits", "contacts", "bodies", NULL};
+
 const cli_command cmd_render = {
     .name = "render",
     .operands = "SCENE",
@@ -161,4 +164,6 @@ const cli_command cmd_render = {
         "         skelfield simulate heap.yaml --bodies b.csv; skelfield render heap.yaml -o heap.avi --frames 120 "
         "--bodies b.csv\n",
     .run = run,
+    .writes = writes,
+    .reads = reads,
 };

@@ -41,13 +41,7 @@ static const cli_option options[] = {
     {'j', "json", NULL, "print the summary as JSON on stdout"},
 };
 
-const cli_command cmd_simulate = {
-    "simulate",
-    "SCENE",
-    "fly the scene's particles, find their contacts",
-    1,
-    options,
-    sizeof options / sizeof *options,
+static const char notes[] =
     "in:  a scene with particles, or bodies that have `motion`, and a simulation\n"
     "out: t,particle,x,y,z,vx,vy,vz at t = 0, output_every, ..., t_end, by time, then particle; inertial frame.\n"
     "     HDF5: t (T), position and velocity (T, N, 3), place (T, N, 3), particles, bodies, contacts, scene;\n"
@@ -100,6 +94,19 @@ const cli_command cmd_simulate = {
     "     another number. mpirun kills a run one second after Ctrl-C: --mca odls_base_sigkill_timeout 60 gives it\n"
     "     time to end in order. SKELFIELD_MPI=off in the environment: each process works by itself, on its own files.\n"
     "launch: a start on a body's ellipsoid; its speed is relative to the turning ground.\n"
-    "example: skelfield simulate data/donut.yaml -o orbits.csv --contacts contacts.csv",
-    run,
-    true};
+    "example: skelfield simulate data/donut.yaml -o orbits.csv --contacts contacts.csv";
+
+static const char *const writes[] = {"output", "contacts", "approach", "contact-map", "contact-bins", "bodies", NULL};
+
+const cli_command cmd_simulate = {
+    .name = "simulate",
+    .operands = "SCENE",
+    .summary = "fly the scene's particles, find their contacts",
+    .operand_count = 1,
+    .options = options,
+    .option_count = sizeof options / sizeof *options,
+    .notes = notes,
+    .run = run,
+    .shares = true,
+    .writes = writes,
+};

@@ -178,13 +178,7 @@ static const cli_option options[] = {
     {'r', "report", NULL, "say on stderr what the certificates cost and what they left undecided"},
 };
 
-const cli_command cmd_trace = {
-    "trace",
-    "SCENE RAYS.csv",
-    "where rays cross the bodies' surfaces",
-    2,
-    options,
-    sizeof options / sizeof *options,
+static const char notes[] =
     "in:  CSV with the header ox,oy,oz,dx,dy,dz: origins and directions of any length, in the inertial frame with the\n"
     "     bodies as they stand at t = 0; - reads stdin\n"
     "out: ray,t,x,y,z,nx,ny,nz,body: every crossing with t >= 0 along the normalised direction, by ray (from 0), then "
@@ -192,5 +186,18 @@ const cli_command cmd_trace = {
     "     the normal points out of the body. Each body is crossed on its own surface F = iso. A surface that is only\n"
     "     touched is not crossed, and a ray that starts on a surface does not hit its own start.\n"
     "     No crossing is missed: where rounding leaves a doubt, it is counted and said on stderr (grazing).\n"
-    "example: skelfield trace data/donut.yaml rays.csv -o hits.csv",
-    run};
+    "example: skelfield trace data/donut.yaml rays.csv -o hits.csv";
+
+static const char *const writes[] = {"output", NULL};
+
+const cli_command cmd_trace = {
+    .name = "trace",
+    .operands = "SCENE RAYS.csv",
+    .summary = "where rays cross the bodies' surfaces",
+    .operand_count = 2,
+    .options = options,
+    .option_count = sizeof options / sizeof *options,
+    .notes = notes,
+    .run = run,
+    .writes = writes,
+};

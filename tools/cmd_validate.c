@@ -144,13 +144,7 @@ static const cli_option options[] = {
     {'b', "body", "NAME", "scenes: this body alone"},
 };
 
-const cli_command cmd_validate = {
-    "validate",
-    "MESH_or_SCENE",
-    "checks of a mesh, or of a scene's surfaces and skeletons",
-    1,
-    options,
-    sizeof options / sizeof *options,
+static const char notes[] =
     "A mesh (PLY, OBJ, OFF, STL) is checked for being closed, manifold, oriented outwards and free of\n"
     "self-intersections, duplicate and degenerate faces; CGAL does the geometry with exact predicates.\n"
     "Of a scene, each body's skeleton is checked for degenerate, duplicate and overlapping primitives,\n"
@@ -158,5 +152,15 @@ const cli_command cmd_validate = {
     "and its surface is meshed, checked likewise, and compared with its field: distance of the vertices,\n"
     "rays through CGAL's AABB tree against the ray solver, volume against a quadrature of the inside.\n"
     "Exit status 1 when a check fails.\n"
-    "example: skelfield validate data/donut.yaml",
-    run};
+    "example: skelfield validate data/donut.yaml";
+
+const cli_command cmd_validate = {
+    .name = "validate",
+    .operands = "MESH_or_SCENE",
+    .summary = "checks of a mesh, or of a scene's surfaces and skeletons",
+    .operand_count = 1,
+    .options = options,
+    .option_count = sizeof options / sizeof *options,
+    .notes = notes,
+    .run = run,
+};

@@ -88,6 +88,7 @@ static int run(const cli_command *command, int argc, char **argv) {
   int status = cli_parse(&c, command, argc, argv);
   if (status == CLI_DONE && cli_given(&c, "help")) return cli_help_command(stdout, command), CLI_DONE;
   if (status == CLI_DONE) status = threads(&c);
+  if (status == CLI_DONE) status = cli_check_files(&c);
   int rank, size = team_launched(&rank);
   if (status == CLI_DONE && size > 1 && !command->shares)
     status = cli_fail(CLI_BAD,

@@ -30,9 +30,6 @@ bool bodies_move(const skf_scene *scene) {
   return i < scene->body_count;
 }
 
-enum { OUTPUTS = 2 };
-static const char *const outputs[OUTPUTS] = {"contacts", "bodies"};
-
 static int check(const cli *c, const skf_scene *scene) {
   const char *path = cli_operand(c, 0), *hits = cli_value(c, "contacts");
   if (!scene->simulation.given)
@@ -54,7 +51,7 @@ static int check(const cli *c, const skf_scene *scene) {
                       scene->bodies[i].line, scene->bodies[i].name);
   if (scene->simulation.turning) return cli_fail(CLI_BAD, "%s: bodies move, expected frame: inertial", path);
   if (hits && strcmp(hits, "-") == 0) return cli_fail(CLI_BAD, "--contacts needs a file name here");
-  return cli_distinct(c, outputs, OUTPUTS);
+  return CLI_DONE;
 }
 
 static double mass_of(const skf_body *b) {
@@ -288,7 +285,7 @@ int run_bodies(const cli *c, const skf_scene *scene) {
   bodies s = {.c = c, .scene = scene, .still = INFINITY, .alone = {.size = 1}};
   s.keep = (checkpoint){.kind = &kind, .crew = &s.alone};
   int status = check(c, scene);
-  if (status == CLI_DONE) status = checkpoint_options(&s.keep, c, outputs, OUTPUTS);
+  if (status == CLI_DONE) status = checkpoint_options(&s.keep, c);
   if (status == CLI_DONE) status = prepare(&s);
   s.states = calloc(scene->body_count, sizeof *s.states);
   if (status == CLI_DONE && !s.states) status = cli_fail(CLI_FAILED, "out of memory");

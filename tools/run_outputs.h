@@ -28,10 +28,6 @@ typedef struct run_outputs {
   run_summary sum;
 } run_outputs;
 
-/* The options that name what is written. */
-enum { RUN_OUTPUT_OPTIONS = 5 };
-extern const char *const run_output_options[RUN_OUTPUT_OPTIONS];
-
 /* Whether the options fit each other: who has stdout, no file twice. CLI_DONE, or another status after the message, as
    all of these. */
 int run_outputs_check(const cli *c);

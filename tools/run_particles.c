@@ -85,7 +85,7 @@ static uint64_t identity(const particles *s) {
 
 static int keep_checkpoints(particles *s) {
   s->keep = (checkpoint){.kind = &checkpoint_of_runner, .crew = s->crew, .particles = s->scene->particle_count};
-  int status = checkpoint_options(&s->keep, s->c, run_output_options, RUN_OUTPUT_OPTIONS);
+  int status = checkpoint_options(&s->keep, s->c);
   if (s->keep.path) s->keep.identity = identity(s);
   return status;
 }

@@ -97,9 +97,9 @@ cp h.csv "$kept/out"
 expect_close "by 2e-6 apart they do not" "$(rows)" 0 0
 
 run simulate aside.yaml --bodies a.csv --contacts ./a.csv
-expect_refused "one file for two tables" "--bodies and --contacts name the same file"
+expect_refused "one file for two tables" "--contacts and --bodies name the same file"
 run simulate aside.yaml --bodies aside.yaml
-expect_refused "the scene for rows" "--bodies aside.yaml is the scene, expected another file"
+expect_refused "the scene for rows" "--bodies aside.yaml is read, too, expected another file"
 refuse_simulate() { run simulate "$2" && :; expect_refused "$1" "$3"; }
 sed 's/^simulation/particles: [{name: p, position: [9, 9, 9], velocity: [0, 0, 0]}]\nsimulation/' aside.yaml >both.yaml
 refuse_simulate "particles among bodies that move" both.yaml 'both.yaml: particles among bodies that move'

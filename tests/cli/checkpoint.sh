@@ -86,6 +86,6 @@ expect_refused "two checkpoints" '--checkpoint other.ckpt and --resume long.ckpt
 run simulate rain.yaml -o part.csv --every-seconds 3
 expect_refused "a period without a checkpoint" '--every-seconds needs --checkpoint FILE'
 run simulate rain.yaml -o a.csv --contacts ./a.csv
-expect_refused "the same file by another name" '-o and --contacts name the same file'
+expect_refused "the same file by another name" '--output and --contacts name the same file'
 
 tap_done

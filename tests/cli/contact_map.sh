@@ -86,7 +86,7 @@ for bad in "--map-step 7" "--map-step 0.1" "--map-quantity mass" "--map-body moo
   expect_refused "$bad" '(--map-[a-z]+ [a-z0-9.]+: expected|no body is called .moon)'
 done
 run simulate fall.yaml -o new.csv --contact-bins new.csv
-expect_refused "one file for two tables" '--contact-bins and --output name the same file'
+expect_refused "one file for two tables" '--output and --contact-bins name the same file'
 run simulate fall.yaml -o new.csv --map-step 10
 expect_refused "bins of nothing" '--map-step needs --contact-map or --contact-bins'
 tap_done

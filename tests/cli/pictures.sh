@@ -34,7 +34,9 @@ refused() { # name, expected message, arguments...
   expect_refused "$name" "$message"
 }
 refused "an unknown kind of picture" 'map.gif: unknown kind of picture, expected a name that ends in .png' map ball.yaml -o map.gif
-refused "one file for picture and samples" "-o and --csv name the same file" map ball.yaml -o map.png --csv ./map.png
+refused "one file for picture and samples" "--output and --csv name the same file" map ball.yaml -o map.png --csv ./map.png
+printf 't,particle,x,y,z,vx,vy,vz\n0,a,1,0,0,0,0,0\n' >path.csv
+refused "samples in the place of the paths" "--csv path.csv is read, too, expected another file" map ball.yaml --csv path.csv --orbits path.csv
 refused "a picture without an ending" 'map: unknown kind' render ball.yaml -o map
 refused "a map as light" 'map.exr: this format holds light' map ball.yaml -o map.exr
 refused "a slanted plane" '--plane w=0: expected' map ball.yaml -o a.png --plane w=0

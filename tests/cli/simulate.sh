@@ -70,7 +70,7 @@ expect_refused "an unknown ending" "run.txt: unknown ending of a trajectory, exp
 run simulate fall.yaml --ground-track moon
 expect_refused "an unknown body" "no body is called 'moon', expected one of sun"
 run simulate fall.yaml -o same.csv --contacts same.csv
-expect_refused "one file for two tables" "-o and --contacts name the same file"
+expect_refused "one file for two tables" "--output and --contacts name the same file"
 grep -v simulation fall.yaml >none.yaml
 run simulate none.yaml
 expect_refused "no simulation" "none.yaml: no simulation, expected one with t_end and output_every"
@@ -233,10 +233,10 @@ expect_close "in the frame of the body that turns" "$(field 2 4)" 0.841470984807
 run simulate past.yaml -o run.csv --approach again.csv --threads 1 --checkpoint past.kept
 expect_same "one thread and a checkpoint change nothing" near.csv again.csv
 run simulate past.yaml -o run.csv --approach run.csv
-expect_refused "one file for rows and approaches" "--approach and --output name the same file"
+expect_refused "one file for rows and approaches" "--output and --approach name the same file"
 for option in contacts approach; do
   run simulate past.yaml -o run.csv --$option ./past.yaml
-  expect_refused "the scene as --$option" "--$option ./past.yaml is the scene, expected another file"
+  expect_refused "the scene as --$option" "--$option ./past.yaml is read, too, expected another file"
 done
 run simulate pair.yaml -o run.csv --approach near.csv
 expect_refused "approaches of what has a mass" "pair.yaml:5: particle 'a' has a mass, expected none for --approach"

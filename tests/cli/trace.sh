@@ -25,6 +25,10 @@ run trace two.yaml rays.csv --first -o hits.csv
 expect_status "first hits" 0
 expect_close "one for each ray that hits" "$(($(wc -l <hits.csv) - 1))" 3 0
 expect "the nearest body's" grep -q '^3,11,9,.*,far$' hits.csv
+for file in two.yaml rays.csv; do
+  run trace two.yaml rays.csv -o ./$file
+  expect_refused "its own $file" "--output ./$file is read, too, expected another file"
+done
 run trace two.yaml rays.csv --report
 expect_err "the report" 'trace: [0-9]+ cells, [0-9]+ subdivisions, [0-9]+ evaluations, 0 grazing'
 
