@@ -174,6 +174,11 @@ static int chunk_of(size_t n) {
 
 static skf_status answer_all(const skf_question *kind, size_t n, const skf_ray *rays, skf_hit *hits, bool *found,
                              skf_ray_report *report) {
+  if (n <= SHARE) { /* a team of one, too, costs two calls of the system where it lies within another */
+    skf_question q = *kind;
+    skf_status s = answer_share(&q, n, rays, hits, found);
+    return end(&q, s, report);
+  }
   size_t cells = 0, subdivisions = 0, evaluations = 0, grazing = 0;
   int worst = SKF_OK, chunk = chunk_of(n);
 #pragma omp parallel for schedule(dynamic, chunk) if (n > 2 * SHARE) \
