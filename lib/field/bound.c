@@ -131,6 +131,7 @@ skf_bound skf_element_bound(const skf_element *e, skf_vec3 center, double radius
     b = (skf_bound){tight * farthest, loose * v.value, v.slope, v.bend, v.fourth};
   } else {
     reach m = reach_from(&e->primitive, center);
+    if (m.near - radius > skf_kernel_end(e->kernel) * (1 + 1e-9)) return (skf_bound){0, 0, 0, 0, 0};
     skf_envelope v = shells(e->kernel, &m, radius, COARSE);
     double farthest = m.total * skf_kernel_envelope(e->kernel, m.far + radius).value;
     if (skf_kernel_kinked(e->kernel, fmax(m.near - radius, 0), m.far + radius)) v.fourth = INFINITY;
@@ -171,6 +172,7 @@ double skf_element_beyond(const skf_element *e, skf_vec3 up, double height) {
   skf_box b = skf_primitive_bounds(p);
   double top = 0, plain;
   for (int i = 0; i < 3; i++) top += fmax(v3_get(up, i) * v3_get(b.lo, i), v3_get(up, i) * v3_get(b.hi, i));
+  if (height - top >= skf_kernel_end(e->kernel)) return 0;
   plain = skf_element_reach(e, fmax(height - top, 0)).value;
   if ((p->shape != SKF_SEGMENT && p->shape != SKF_ARC) || !(height > top)) return plain;
   reach m = {.shape = p->shape, .total = skf_primitive_measure(p), .beyond = true, .near = height - top};
