@@ -9,12 +9,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Traces the picture into rgb and depth. */
+static bool run_is_shown(const render_job *j) { return j->run.particle_count || j->run.contact_count; }
+
+/* Traces the picture into rgb and, for paths, depth. */
 static int trace(render_job *j) {
   size_t n = (size_t)j->what.width * j->what.height;
   if (!j->rgb) j->rgb = malloc(3 * n * sizeof *j->rgb);
-  if (!j->depth) j->depth = malloc(n * sizeof *j->depth);
-  if (!j->rgb || !j->depth) return cli_fail(CLI_FAILED, "out of memory");
+  bool deep = run_is_shown(j); /* paths go behind bodies */
+  if (deep && !j->depth) j->depth = malloc(n * sizeof *j->depth);
+  if (!j->rgb || (deep && !j->depth)) return cli_fail(CLI_FAILED, "out of memory");
   skf_status s = skf_render(&j->what, j->rgb, j->depth, cli_progress(j->label));
   cli_progress_end();
   j->cut = s == SKF_ERR_CANCELLED;
@@ -60,8 +63,7 @@ static skf_status draw(render_job *j, unsigned char **bytes, size_t *n, char err
 }
 
 bool render_is_plain(const render_job *j) {
-  bool paths = j->run.particle_count || j->run.contact_count;
-  return skf_png_there() && !strcmp(j->format->ending, "png") && j->mode != RENDER_COST && !paths;
+  return skf_png_there() && !strcmp(j->format->ending, "png") && j->mode != RENDER_COST && !run_is_shown(j);
 }
 
 void render_give_back(const render_job *j, unsigned char *bytes) {

@@ -257,6 +257,8 @@ static int automatic_camera(render_job *j, double fov) {
   int status = angle(j->c, "azimuth", -360, 360, &azimuth);
   if (!status) status = angle(j->c, "elevation", -90, 90, &elevation);
   if (status) return status;
+  if (cli_given(j->c, "from") && cli_given(j->c, "to")) /* then there is nothing to frame */
+    return j->what.camera = (skf_camera){.given = true, .up = {0, 0, 1}, .fov = fov}, CLI_DONE;
   size_t n = 0, bodies = j->scene->body_count;
   for (size_t i = 0; i < j->run.particle_count; i++) n += j->run.particles[i].count;
   for (size_t i = 0; i < j->moved.count; i++) n += 6 * j->moved.bodies[i].count;
