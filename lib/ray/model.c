@@ -9,7 +9,7 @@
 #include <float.h>
 #include <string.h>
 
-enum { N = SKF_NODES };
+enum { N = SKF_NODES, M = SKF_ROUGH };
 
 static void polynomials(double x, double T[N]) {
   T[0] = 1, T[1] = x;
@@ -79,6 +79,11 @@ void skf_chebyshev_init(skf_chebyshev *t, skf_isa isa, double slack) {
     polynomials(t->node[p], T);
     for (int i = 0; i < N; i++) t->forward[i][p] = (i ? 2. : 1.) / N * T[i];
   }
+  for (int p = 0; p < M; p++) {
+    t->rough[p] = cos((2 * p + 1) * SKF_PI / (2 * M));
+    polynomials(t->rough[p], T);
+    for (int i = 0; i < M; i++) t->rough_forward[i][p] = (i ? 2. : 1.) / M * T[i];
+  }
   for (int upper = 0; upper < 2; upper++)
     for (int i = 0; i < N; i++) {
       for (int p = 0; p < N; p++) {
@@ -133,19 +138,32 @@ static double converges(const skf_source *s, double near, double half) {
   return 0.7 * half / (s->element.kernel.type == SKF_CAUCHY ? sqrt(near * near + 1 / (p * p)) : near);
 }
 
+/* Of a weight 1 what one of the axes leaves, and what two and three of them leave at once, with n nodes along each. */
+static double by_one(const skf_source *s, double near, double most, double half, int n) {
+  return 2 * taylor(s, near, most, 0.5 * half, n) * (1 + 1e-9);
+}
+static double by_more(const skf_source *s, double near, double most, double half, int n) {
+  double two = 4 * taylor(s, near, most, 0.5 * half, 2 * n) * choose(n, n);
+  double three = 8 * taylor(s, near, most, 0.5 * half, 3 * n) * choose(n, n) * choose(2 * n, n);
+  return (3 * two + three) * (1 + 1e-9);
+}
+
 skf_margin skf_margin_of(const skf_source *s, double near, double most, double half) {
   double w = fmax(fabs(s->least), fabs(s->most)), per = 1 / half, n2 = N * N, curl = n2 * (n2 - 1) / 3;
   near *= 1 - 1e-12;
-  double by[3], e = 2 * w * taylor(s, near, most, 0.5 * half, N) * (1 + 1e-9);
-  for (int k = 0; k < 3; k++) by[k] = 4 * w * taylor(s, near, most, 0.5 * half, k == 0 ? 2 * N : N + k) * (1 + 1e-9);
-  /* what two axes, and three, leave at once; what one leaves derived along another, once and twice */
-  double three = 8 * w * taylor(s, near, most, 0.5 * half, 3 * N) * choose(N, N) * choose(2 * N, N);
-  double all = 3 * by[0] * choose(N, N) + three * (1 + 1e-9), once = (N + 1) * by[1],
-         twice = 2 * (N + 1) * (N + 2) * by[2];
+  double e = w * by_one(s, near, most, half, N), all = w * by_more(s, near, most, half, N);
+  /* what one leaves derived along another, once and twice */
+  double once = 4 * w * taylor(s, near, most, 0.5 * half, N + 1) * (N + 1) * (1 + 1e-9),
+         twice = 8 * w * taylor(s, near, most, 0.5 * half, N + 2) * (N + 1) * (N + 2) * (1 + 1e-9);
   if (!(converges(s, near, half) < 0.25)) return (skf_margin){INFINITY, INFINITY, INFINITY, INFINITY, w * most};
   return (skf_margin){3 * e + all, 1.7320508075688773 * (n2 * (e + all) + 2 * once) * per,
                       (curl * (e + all) + 2 * twice + 2 * (2 * n2 * once + twice + n2 * n2 * all)) * per * per,
                       24 * w * taylor(s, near, most, 1, 4), w * most};
+}
+
+double skf_margin_rough(const skf_source *s, double near, double most, double half) {
+  near *= 1 - 1e-12;
+  return fmax(fabs(s->least), fabs(s->most)) * (3 * by_one(s, near, most, half, M) + by_more(s, near, most, half, M));
 }
 
 void skf_margin_add(skf_margin *sum, const skf_margin *m) {
@@ -171,6 +189,26 @@ void skf_model_add(const skf_chebyshev *t, const double *values, const skf_margi
   t->apply((const double(*)[N][N])a, c);
   for (int i = 0; i < SKF_ALL_NODES; i++) m->c[i] += c[i];
   skf_margin_add(&m->off, off);
+}
+
+/* Along the last axis, which then is the first. */
+static void turn_rough(const double a[M][M], const double in[M * M][M], double out[M][M * M]) {
+  for (int k = 0; k < M; k++)
+    for (int i = 0; i < M * M; i++) {
+      out[k][i] = 0;
+      for (int p = 0; p < M; p++) out[k][i] += a[k][p] * in[i][p];
+    }
+}
+
+void skf_model_add_rough(const skf_chebyshev *t, const double values[SKF_ALL_ROUGH], skf_model *m) {
+  double c[M * M][M], turned[M][M * M];
+  memcpy(c, values, sizeof c);
+  for (int axis = 0; axis < 3; axis++) {
+    turn_rough(t->rough_forward, (const double(*)[M])c, turned);
+    memcpy(c, turned, sizeof c);
+  }
+  for (int i = 0; i < SKF_ALL_ROUGH; i++)
+    m->c[(i / M / M * N + i / M % M) * N + i % M] += turned[i / M / M][i % (M * M)];
 }
 
 double skf_model_swing(const skf_chebyshev *t, const skf_model *m, int degree) {

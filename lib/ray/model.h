@@ -10,6 +10,9 @@
 enum { SKF_NODES = 8, SKF_ALL_NODES = SKF_NODES * SKF_NODES * SKF_NODES };
 enum { SKF_LOW_DEGREE = 5, SKF_DEGREE = 7, SKF_TERMS = (SKF_DEGREE + 1) * (SKF_DEGREE + 2) * (SKF_DEGREE + 3) / 6 };
 
+/* Nodes along each axis where a guess will do. */
+enum { SKF_ROUGH = 4, SKF_ALL_ROUGH = SKF_ROUGH * SKF_ROUGH * SKF_ROUGH };
+
 /* Along a ray: places in [0, 1] for samples of a polynomial, and what makes Bernstein coefficients of them. */
 typedef struct skf_restriction {
   double place[SKF_DEGREE + 1], bernstein[SKF_DEGREE + 1][SKF_DEGREE + 1];
@@ -23,6 +26,7 @@ skf_model_apply_fn skf_model_apply_scalar, skf_model_apply_avx2;
    (the cubes are larger than the cells by 1 + slack), or into powers. */
 typedef struct skf_chebyshev {
   double node[SKF_NODES], forward[SKF_NODES][SKF_NODES], half[2][SKF_NODES][SKF_NODES], power[SKF_NODES][SKF_NODES];
+  double rough[SKF_ROUGH], rough_forward[SKF_ROUGH][SKF_ROUGH];
   skf_restriction low, full;   /* for SKF_LOW_DEGREE, SKF_DEGREE */
   double total[SKF_ALL_NODES]; /* degree of a model's terms, what their slopes and Hessians are at most */
   double slope[SKF_ALL_NODES], bend[SKF_ALL_NODES];
@@ -53,11 +57,17 @@ bool skf_source_is_smooth(const skf_source *s);
    whose sources are at a distance >= near from it. Infinite where it may be singular. */
 skf_margin skf_margin_of(const skf_source *s, double near, double most, double half);
 
+/* What interpolation at the rough nodes makes of its value alone. */
+double skf_margin_rough(const skf_source *s, double near, double most, double half);
+
 /* The polynomial of a cube on one of its eighths, child: bits 1, 2, 4 for the upper halves in x, y, z. */
 void skf_model_halve(const skf_chebyshev *t, const skf_model *m, int child, skf_model *out);
 
 /* Adds the interpolant of values at the nodes, z fastest, and its margin. */
 void skf_model_add(const skf_chebyshev *t, const double *values, const skf_margin *off, skf_model *m);
+
+/* Adds the interpolant of values at the rough nodes, without a margin. */
+void skf_model_add_rough(const skf_chebyshev *t, const double values[SKF_ALL_ROUGH], skf_model *m);
 
 /* The sum of what the coefficients of a total degree above `degree` can amount to; above 0: how much it changes. */
 double skf_model_swing(const skf_chebyshev *t, const skf_model *m, int degree);

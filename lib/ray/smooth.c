@@ -16,6 +16,7 @@
 typedef struct outlook {
   double lo, hi, drop; /* of their field; a guess by how much it changes */
   skf_margin off;      /* if they were sampled here */
+  double rough;        /* the same at the rough nodes */
 } outlook;
 
 static double largest(skf_vec3 a) { return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z))); }
@@ -42,6 +43,7 @@ static outlook look_out(const skf_smooth *t, const skf_smooth_cell *c, const skf
     o.hi += skf_weight_times(s->most, s->most > 0 ? g.above.value : g.below);
     skf_margin m = skf_margin_of(s, near, g.above.value, c->half);
     skf_margin_add(&o.off, &m);
+    o.rough += skf_margin_rough(s, near, g.above.value, c->half);
     o.drop += fmax(fabs(s->least), fabs(s->most)) * skf_source_grade(s, d, d).above.value * c->half / (d + c->half);
     if (!(m.value < INFINITY) || (m.value > FAR * m.size && m.value > small)) continue;
     skf_margin_add(off_far, &m);
@@ -51,23 +53,54 @@ static outlook look_out(const skf_smooth *t, const skf_smooth_cell *c, const skf
   return o;
 }
 
-static bool sample(const skf_smooth *t, const skf_smooth_cell *c, const uint32_t *list, uint32_t n,
-                   const skf_margin *off, skf_model *m) {
-  double at[3][SKF_ALL_NODES], values[SKF_ALL_NODES];
-  if (!n) return true;
-  for (int i = 0; i < SKF_ALL_NODES; i++) {
-    at[0][i] = c->center.x + c->half * t->table.node[i / SKF_NODES / SKF_NODES];
-    at[1][i] = c->center.y + c->half * t->table.node[i / SKF_NODES % SKF_NODES];
-    at[2][i] = c->center.z + c->half * t->table.node[i % SKF_NODES];
+/* The field of n elements at all of the nodes, `many` along each axis. */
+static bool look(const skf_smooth *t, const skf_smooth_cell *c, const uint32_t *list, uint32_t n, const double *node,
+                 int many, double *values) {
+  double at[3][SKF_ALL_NODES];
+  int all = many * many * many;
+  for (int i = 0; i < all; i++) {
+    at[0][i] = c->center.x + c->half * node[i / many / many];
+    at[1][i] = c->center.y + c->half * node[i / many % many];
+    at[2][i] = c->center.z + c->half * node[i % many];
   }
   const double *const p[3] = {at[0], at[1], at[2]};
-  if (skf_field_some_many(t->field, list, n, SKF_ALL_NODES, p, values)) return false;
-  skf_margin with = *off;
-  /* rounding of the samples, grown by the interpolation, and of the places */
+  return !skf_field_some_many(t->field, list, n, (size_t)all, p, values);
+}
+
+/* The rounding of samples of that size, grown by the interpolation, and of their places. */
+static double rounding_of(const skf_smooth *t, const skf_smooth_cell *c, double size) {
   double lambda = t->table.lebesgue, grown = lambda * lambda * lambda;
-  with.value +=
-      grown * ((4 * t->noise + 1e-15) * off->size + 4 * DBL_EPSILON * largest(c->center) * off->size / c->half);
+  return grown * ((4 * t->noise + 1e-15) * size + 4 * DBL_EPSILON * largest(c->center) * size / c->half);
+}
+
+static bool sample(const skf_smooth *t, const skf_smooth_cell *c, const uint32_t *list, uint32_t n,
+                   const skf_margin *off, skf_model *m) {
+  double values[SKF_ALL_NODES];
+  if (!n) return true;
+  if (!look(t, c, list, n, t->table.node, SKF_NODES, values)) return false;
+  skf_margin with = *off;
+  with.value += rounding_of(t, c, off->size);
   skf_model_add(&t->table, values, &with, m);
+  return true;
+}
+
+/* By how much F is certainly above iso in the cell, or below; else 0. m: of the far elements. */
+static double clearance(const skf_smooth *t, const skf_model *m, double error) {
+  double f = m->c[0] - t->iso, over = fabs(f) - skf_model_swing(&t->table, m, 0) - error - 1e-14 * m->off.size;
+  return over > 0 ? copysign(over, f) : 0;
+}
+
+/* Most cells in which there is no surface are told by a few samples. */
+static bool glance(const skf_smooth *t, const skf_smooth_cell *c, const uint32_t *list, uint32_t n, const outlook *o,
+                   const skf_model *far, double *over) {
+  double values[SKF_ALL_ROUGH];
+  skf_model m = *far;
+  *over = 0;
+  if (!(o->rough + far->off.value < o->hi - o->lo)) return true;
+  if (!look(t, c, list, n, t->table.rough, SKF_ROUGH, values)) return false;
+  skf_model_add_rough(&t->table, values, &m);
+  m.off.size += o->off.size;
+  *over = clearance(t, &m, o->rough + far->off.value + rounding_of(t, c, o->off.size));
   return true;
 }
 
@@ -86,16 +119,18 @@ skf_smooth_kind skf_smooth_examine(const skf_smooth *t, const skf_smooth_cell *c
   outlook o = look_out(t, c, above, kept, &far, &off);
   skf_model_halve(&t->table, &above->model, c->child, m);
   double swing = skf_model_swing(&t->table, m, 0), rounding = 1e-14 * m->off.size;
-  double wide = swing + m->off.value + rounding, middle = m->c[0];
+  double wide = swing + m->off.value + rounding, middle = m->c[0], over;
   if (middle + wide + o.hi < t->iso) return SKF_SMOOTH_OUTSIDE;
   if (middle - wide + o.lo > t->iso) return SKF_SMOOTH_INSIDE;
+  if (!glance(t, c, kept, above->count, &o, m, &over)) return SKF_SMOOTH_LOST;
+  if (over != 0) return over < 0 ? SKF_SMOOTH_OUTSIDE : SKF_SMOOTH_INSIDE;
   if (c->last || o.off.value <= TOLERANCE * (swing + 4 * o.drop) || o.off.value <= m->off.value) {
     if (!(o.off.value < INFINITY)) return SKF_SMOOTH_BARE;
     skf_model all = *m;
     if (!sample(t, c, kept, above->count, &o.off, &all)) return SKF_SMOOTH_LOST;
     swing = skf_model_swing(&t->table, &all, 0);
-    double over = fabs(all.c[0] - t->iso) - swing - all.off.value - rounding;
-    if (over > 0) return all.c[0] < t->iso ? SKF_SMOOTH_OUTSIDE : SKF_SMOOTH_INSIDE;
+    over = clearance(t, &all, all.off.value);
+    if (over != 0) return over < 0 ? SKF_SMOOTH_OUTSIDE : SKF_SMOOTH_INSIDE;
     double error = all.off.value + skf_model_swing(&t->table, &all, SKF_DEGREE);
     if (c->last || error <= TOLERANCE * swing + 2 * m->off.value) { /* the far part's error does not shrink */
       shape(t, c, &all, skf_model_swing(&t->table, &all, SKF_LOW_DEGREE) <= (t->few ? LEAST_OF_FEW : LEAST) * swing,

@@ -110,6 +110,51 @@ static void margins(void **unused) {
   for (int k = 0; k < 4; k++) assert_true(leaves[k] > 100);
 }
 
+static double chebyshev_sum(const skf_model *m, skf_vec3 x) {
+  double sum = 0;
+  for (int i = 0; i < SKF_ALL_NODES; i++)
+    sum += m->c[i] * cos(i / SKF_NODES / SKF_NODES * acos(x.x)) * cos(i / SKF_NODES % SKF_NODES * acos(x.y)) *
+           cos(i % SKF_NODES * acos(x.z));
+  return sum;
+}
+
+/* What few samples of one element make of it is no further from it than their margin. */
+static void rough(void **unused) {
+  (void)unused;
+  uint64_t state = 21;
+  static skf_chebyshev t;
+  double closest = 0;
+  skf_chebyshev_init(&t, skf_isa_pick(), 1e-8);
+  for (int i = 0; i < 640; i++) {
+    skf_element e = {.kernel = {kernels[i % 4], rnd(&state, 1, 4)}, .strength = rnd(&state, -2, 2)};
+    skf_source s;
+    skf_field *f;
+    rnd_primitive(&state, shapes[i / 4 % 4], 1, &e.primitive);
+    assert_int_equal(skf_field_new(&e, 1, &f), SKF_OK);
+    skf_source_init(skf_field_element(f, 0), &s);
+    double half = rnd(&state, 0.02, 0.3), values[SKF_ALL_ROUGH];
+    skf_vec3 c = rnd_vec(&state, 2);
+    double near = fmax(skf_source_distance(&s, c) - 1.7320508075688773 * half, 0);
+    double margin = skf_margin_rough(&s, near, skf_source_grade(&s, near, near).above.value, half);
+    for (int k = 0; k < SKF_ALL_ROUGH; k++) {
+      skf_vec3 x = v3(t.rough[k / 16], t.rough[k / 4 % 4], t.rough[k % 4]);
+      values[k] = skf_field_at(f, v3_mad(c, half, x), NULL);
+    }
+    skf_model m = {.c = {0}};
+    skf_model_add_rough(&t, values, &m);
+    for (int k = 0; k < PLACES; k++) {
+      skf_vec3 x = rnd_vec(&state, 1);
+      double F = skf_field_at(f, v3_mad(c, half, x), NULL), off = fabs(chebyshev_sum(&m, x) - F);
+      assert_true(off <= margin + 1e-13 * fabs(F));
+      closest = fmax(closest, off / margin);
+    }
+    skf_source_free(&s);
+    skf_field_free(f);
+  }
+  print_message("off by up to %.2g of the margin\n", closest);
+  assert_true(closest > 0.01);
+}
+
 /* Normals of many elements: to rounding, or as far off as the options allow; the hits are the same. */
 static void normals(void **unused) {
   (void)unused;
@@ -196,7 +241,7 @@ static void stays_between(void **unused) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(margins), cmocka_unit_test(normals),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(margins), cmocka_unit_test(rough), cmocka_unit_test(normals),
                                      cmocka_unit_test(ends_of_models), cmocka_unit_test(stays_between)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
