@@ -90,9 +90,11 @@ static const char notes[] =
     "     when it ends, from the journal. What ended, even by kill -9, loses at most what was done since the last\n"
     "     checkpoint. The scene and the program must be the same; threads and outputs may differ.\n"
     "processes: mpirun -n N skelfield simulate SCENE ... flies a share of the particles in each; the first process\n"
-    "     has the outputs, whose bytes are those of one process. Started with a checkpoint, a run may go on with\n"
-    "     another number. mpirun kills a run one second after Ctrl-C: --mca odls_base_sigkill_timeout 60 gives it\n"
-    "     time to end in order. SKELFIELD_MPI=off in the environment: each process works by itself, on its own files.\n"
+    "     has the outputs, whose bytes are those of one process. HDF5 without a checkpoint is written by all of them,\n"
+    "     each its part of the rows, where the build has the HDF5 of Open MPI and they see the same folder. Started\n"
+    "     with a checkpoint, a run may go on with another number. mpirun kills a run one second after Ctrl-C:\n"
+    "     --mca odls_base_sigkill_timeout 60 gives it time to end in order. SKELFIELD_MPI=off in the environment:\n"
+    "     each process works by itself, on its own files.\n"
     "launch: a start on a body's ellipsoid; its speed is relative to the turning ground.\n"
     "example: skelfield simulate data/donut.yaml -o orbits.csv --contacts contacts.csv";
 

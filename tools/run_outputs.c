@@ -62,7 +62,7 @@ int run_outputs_new(run_outputs *o, const cli *c, const skf_scene *scene, const 
   return status ? status : run_approaches_new(&o->near, c, scene, world);
 }
 
-int run_outputs_open(run_outputs *o) {
+static int open_others(run_outputs *o) {
   const char *path = cli_value(o->c, "output"), *contacts = cli_value(o->c, "contacts");
   int status = trajectory_writer_for(path, &o->writer);
   if (status) return status;
@@ -71,24 +71,52 @@ int run_outputs_open(run_outputs *o) {
   o->log = contacts != NULL;
   if (o->log) contact_header(o->contacts.file);
   status = contact_map_open(&o->map);
-  if (!status) status = run_approaches_open(&o->near);
-  return status ? status : o->writer->open(&o->trajectory, path, &o->table);
+  return status ? status : run_approaches_open(&o->near);
+}
+
+/* By all processes: table.crew stays NULL where they cannot write together. */
+static int open_together(run_outputs *o, const char *path, const team *crew) {
+  const trajectory_writer *writer = trajectory_writer_together(path);
+  if (team_agree(crew, writer ? CLI_DONE : CLI_FAILED) != CLI_DONE) return CLI_DONE;
+  o->table.crew = crew;
+  int status = writer->open(&o->trajectory, path, &o->table);
+  if (o->trajectory)
+    o->writer = writer;
+  else
+    o->table.crew = NULL;
+  return status;
+}
+
+int run_outputs_open(run_outputs *o, const team *crew) {
+  const char *path = cli_value(o->c, "output");
+  bool leads = !crew || team_leads(crew);
+  int status = leads ? open_others(o) : CLI_DONE;
+  if (crew) status = team_agree(crew, status);
+  if (crew && status == CLI_DONE) status = open_together(o, path, crew);
+  if (status == CLI_DONE && !o->trajectory && leads) status = o->writer->open(&o->trajectory, path, &o->table);
+  return crew ? team_agree(crew, status) : status;
 }
 
 static double degrees(double radians) { return radians * (180 / 3.14159265358979323846); }
 
+/* Particles in a row. */
+static size_t row_width(const run_outputs *o) {
+  const team *crew = o->table.crew;
+  size_t n = o->table.scene->particle_count;
+  return crew ? (n + (size_t)(crew->size - 1 - crew->rank)) / (size_t)crew->size : n;
+}
+
 skf_status run_outputs_row(void *user, double t, const skf_state *states) {
   run_outputs *o = user;
-  for (size_t i = 0; o->geo && i < o->table.scene->particle_count; i++) {
+  size_t n = row_width(o);
+  for (size_t i = 0; o->geo && i < n; i++) {
     skf_place p;
     if (skf_geo_place(o->geo, skf_world_to_body(o->world, o->track_body, t, states[i].position), &p))
       p = (skf_place){NAN, NAN, NAN};
     o->places[i] = (run_place){degrees(p.latitude), degrees(p.longitude), p.height};
   }
-  for (size_t i = 0; o->quantities && i < o->table.scene->particle_count; i++)
-    o->quantities[i] = skf_world_quantities(o->world, states + i);
-  for (size_t i = 0; o->seen && i < o->table.scene->particle_count; i++)
-    o->seen[i] = skf_world_state_to_body(o->world, o->frame, states + i);
+  for (size_t i = 0; o->quantities && i < n; i++) o->quantities[i] = skf_world_quantities(o->world, states + i);
+  for (size_t i = 0; o->seen && i < n; i++) o->seen[i] = skf_world_state_to_body(o->world, o->frame, states + i);
   o->sum.rows++;
   o->sum.t = t;
   o->status = o->writer->row(o->trajectory, t, o->seen ? o->seen : states, &(run_more){o->places, o->quantities});

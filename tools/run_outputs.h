@@ -33,7 +33,9 @@ typedef struct run_outputs {
 int run_outputs_check(const cli *c);
 /* From the command line, before anything is opened. */
 int run_outputs_new(run_outputs *o, const cli *c, const skf_scene *scene, const skf_world *world);
-int run_outputs_open(run_outputs *o);
+/* By the first process; or by all of `crew`, which then write the trajectory together if they can (table.crew tells):
+   rows are then of each one's own particles, and all close. */
+int run_outputs_open(run_outputs *o, const team *crew);
 /* Rows and contacts in the inertial frame, for skf_run_sink; user is the run_outputs. */
 skf_status run_outputs_row(void *user, double t, const skf_state *states);
 skf_status run_outputs_contact(void *user, const skf_contact *contact);

@@ -102,13 +102,14 @@ static int ready(particles *s) {
 static int complain(const particles *s, skf_status ended, const skf_run_failure *where) {
   const skf_scene *scene = s->scene;
   const char *kept = s->out.sum.rows ? "rows before are written" : "nothing written";
+  if (ended == SKF_ERR_IO) return CLI_FAILED;
   if (team_lost(s->crew))
-    return cli_fail(CLI_FAILED, "a process does not answer after t = %.9g, %s", s->out.sum.t, kept);
+    return cli_fail(CLI_FAILED, "a process does not answer after t = %.9g, %s%s", s->out.sum.t, kept,
+                    s->out.table.crew && s->out.sum.rows ? " but for the last ones" : "");
   if (ended == SKF_ERR_CANCELLED) return cli_fail(CLI_FAILED, "interrupted after t = %.9g, %s", s->out.sum.t, kept);
   if (ended == SKF_ERR_CONVERGENCE)
     return cli_fail(CLI_FAILED, "particle '%s' meets a force that no step can follow at t = %.17g, %s",
                     scene->particles[where->particle].name, where->t, kept);
-  if (ended == SKF_ERR_IO) return CLI_FAILED;
   return cli_fail_status(ended, "simulate");
 }
 
@@ -159,9 +160,17 @@ static skf_status write_kept(particles *s) {
   return journal_replay(&s->keep, &(skf_run_sink){run_outputs_row, run_outputs_contact, &s->out});
 }
 
+/* The part of another process than the first one. */
+static int leave_outputs(particles *s, skf_status ended, int status) {
+  if (s->out.status != CLI_DONE) ended = SKF_ERR_IO;
+  int closed = run_outputs_close(&s->out, s->out.sum.rows > 0 && ended != SKF_ERR_IO);
+  return status != CLI_DONE ? status : closed;
+}
+
 /* The first process's. */
 static int finish(particles *s, skf_status ended, const skf_run_failure *where) {
   const skf_scene *scene = s->scene;
+  if (s->out.status != CLI_DONE) ended = SKF_ERR_IO; /* whatever followed */
   int status = ended ? complain(s, ended, where) : CLI_DONE;
   bool keep = s->out.sum.rows > 0 && ended != SKF_ERR_IO;
   int closed = run_outputs_close(&s->out, keep);
@@ -194,16 +203,17 @@ static int fly(particles *s) {
   int status = start(s, &run, &runner, &over, &ended, &where);
   if (status == CLI_DONE && over) cli_say("%s: the run is complete, its outputs are written", s->keep.path);
   if (status == CLI_DONE && !over && !ended) {
-    if (!s->keep.path) status = team_agree(s->crew, team_leads(s->crew) ? run_outputs_open(&s->out) : CLI_DONE);
+    if (!s->keep.path) status = run_outputs_open(&s->out, s->crew->size > 1 ? s->crew : NULL);
+    direct.own = s->out.table.crew != NULL;
     if (status == CLI_DONE) status = fly_on(s, runner, s->keep.path ? &journal : &direct, &ended, &where);
     if (status == CLI_DONE) skf_runner_reports(runner, s->reports); /* or a process is lost */
     if (status == CLI_DONE && s->out.near.path) skf_runner_approaches(runner, s->out.near.of);
   }
   skf_runner_free(runner);
   cli_progress_end();
-  if (!team_leads(s->crew)) return status;
+  if (!team_leads(s->crew)) return leave_outputs(s, ended, status);
   if (status == CLI_DONE && !over && s->keep.journal && ended != SKF_ERR_IO) {
-    status = run_outputs_open(&s->out);
+    status = run_outputs_open(&s->out, NULL);
     skf_status written = status == CLI_DONE ? write_kept(s) : SKF_OK;
     if (written) ended = SKF_ERR_IO;
   }

@@ -153,3 +153,7 @@ void team_end(team *t) {
 bool team_poll(const team *t, bool stop) { return t->self ? t->module->poll(t->self, stop) : stop; }
 
 bool team_lost(const team *t) { return t->self && t->module->lost(t->self); }
+
+void team_hurry(const team *t, double seconds) {
+  if (t->self) t->module->hurry(t->self, seconds);
+}

@@ -17,10 +17,11 @@ typedef struct team_module {
   void *(*join)(int *rank, int *size, const team_hooks *hooks); /* NULL when MPI fails */
   skf_status (*send)(void *self, size_t to, const void *bytes, size_t n);
   skf_status (*receive)(void *self, size_t from, void *bytes, size_t n);
-  bool (*poll)(void *self, bool stop); /* tells the others, once; true when this or another one wants to stop */
-  void (*calm)(void *self);            /* all of them, after the round: forgets it */
-  bool (*lost)(const void *self);      /* another one does not answer */
-  void (*leave)(void *self);           /* frees self */
+  bool (*poll)(void *self, bool stop);       /* tells the others, once; true when this or another one wants to stop */
+  void (*calm)(void *self);                  /* all of them, after the round: forgets it */
+  bool (*lost)(const void *self);            /* another one does not answer */
+  void (*hurry)(void *self, double seconds); /* from now on one that does not answer for so long is lost */
+  void (*leave)(void *self);                 /* frees self */
 } team_module;
 
 typedef struct team {
@@ -56,5 +57,7 @@ void team_end(team *t);
 /* Called while flying, now and then: whether to stop, as this one or another wants to. */
 bool team_poll(const team *t, bool stop);
 bool team_lost(const team *t);
+/* From now on another one that does not answer for so long is lost; of 0 seconds all are. */
+void team_hurry(const team *t, double seconds);
 
 #endif

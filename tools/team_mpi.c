@@ -18,6 +18,7 @@ typedef struct mpi {
   int heard;          /* processes that have cried in this round */
   MPI_Request *cries; /* to each of the others */
   double patience;    /* seconds after a signal */
+  double limit;       /* at any time; 0: none */
 } mpi;
 
 static double seconds(void) {
@@ -88,7 +89,7 @@ static void rest(unsigned turn) {
 
 static skf_status finish(mpi *m, int begun, MPI_Request *request) {
   enum { SPINS = 1000 };
-  double since = 0;
+  double since = 0, start = m->limit > 0 ? seconds() : 0;
   if (begun != MPI_SUCCESS) m->lost = true;
   for (unsigned turn = 0; !m->lost; turn++) {
     int done = 0;
@@ -96,6 +97,7 @@ static skf_status finish(mpi *m, int begun, MPI_Request *request) {
     if (done && !m->lost) return SKF_OK;
     if (turn < SPINS) continue;
     rest(turn - SPINS);
+    if (m->limit > 0 && seconds() - start > m->limit) m->lost = true;
     if (m->hooks->stop(m->hooks->user)) cry(m);
     if (m->rank > 0 || !m->hooks->interrupted()) continue;
     if (since == 0) since = seconds();
@@ -132,6 +134,12 @@ static skf_status receive(void *self, size_t from, void *bytes, size_t n) {
 
 static bool lost(const void *self) { return ((const mpi *)self)->lost; }
 
+static void hurry(void *self, double limit) {
+  mpi *m = self;
+  m->limit = limit;
+  if (limit <= 0) m->lost = true;
+}
+
 static void leave(void *self) {
   mpi *m = self;
   if (!m->lost) MPI_Finalize(); /* which waits for the others */
@@ -141,4 +149,4 @@ static void leave(void *self) {
 
 /* Found by this name in the module. */
 extern const team_module team_module_mpi;
-const team_module team_module_mpi = {join, send, receive, poll, calm, lost, leave};
+const team_module team_module_mpi = {join, send, receive, poll, calm, lost, hurry, leave};

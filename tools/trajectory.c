@@ -4,23 +4,43 @@
 #include "adapt/module.h"
 #include <string.h>
 
-/* A format is written here, or by a module: HDF5 brings 35 libraries, which cost 10 ms of CPU at every start. */
+/* A format is written here, or by a module: HDF5 brings 35 libraries, which cost 10 ms of CPU at every start. Another
+   module writes it by several processes together. */
 typedef struct trajectory_format {
   const char *ending;
   const trajectory_writer *writer;
-  const char *module, *symbol;
+  const char *module, *together, *symbol;
 } trajectory_format;
 
-static const trajectory_format formats[] = {
-    {".csv", &trajectory_writer_csv, NULL, NULL},
 #ifdef SKF_HAVE_HDF5
-    {".h5", NULL, "skelfield-hdf5.so", "trajectory_module_hdf5"},
+#define HDF5_MODULE "skelfield-hdf5.so"
 #else
-    {".h5", NULL, NULL, NULL},
+#define HDF5_MODULE NULL
 #endif
+#ifdef SKF_HAVE_HDF5_MPI
+#define HDF5_MPI_MODULE "skelfield-hdf5-mpi.so"
+#else
+#define HDF5_MPI_MODULE NULL
+#endif
+
+static const trajectory_format formats[] = {
+    {".csv", &trajectory_writer_csv, NULL, NULL, NULL},
+    {".h5", NULL, HDF5_MODULE, HDF5_MPI_MODULE, "trajectory_module_hdf5"},
 };
 
-static int writer_of(const trajectory_format *format, const char *path, const trajectory_writer **out) {
+static const trajectory_format *format_of(const char *path) {
+  if (!path || strcmp(path, "-") == 0) return formats;
+  size_t n = strlen(path);
+  for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
+    size_t m = strlen(formats[i].ending);
+    if (n > m && strcmp(path + n - m, formats[i].ending) == 0) return formats + i;
+  }
+  return NULL;
+}
+
+int trajectory_writer_for(const char *path, const trajectory_writer **out) {
+  const trajectory_format *format = format_of(path);
+  if (!format) return cli_fail(CLI_BAD, "%s: unknown ending of a trajectory, expected .csv or .h5", path);
   *out = format->writer;
   if (*out) return CLI_DONE;
   if (!format->module) return cli_fail(CLI_FAILED, "%s: this build has no HDF5, expected a .csv file", path);
@@ -29,12 +49,8 @@ static int writer_of(const trajectory_format *format, const char *path, const tr
   return *out ? CLI_DONE : cli_fail(CLI_FAILED, "%s: %s", path, error);
 }
 
-int trajectory_writer_for(const char *path, const trajectory_writer **out) {
-  if (!path || strcmp(path, "-") == 0) return writer_of(formats, path, out);
-  size_t n = strlen(path);
-  for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
-    size_t m = strlen(formats[i].ending);
-    if (n > m && strcmp(path + n - m, formats[i].ending) == 0) return writer_of(formats + i, path, out);
-  }
-  return cli_fail(CLI_BAD, "%s: unknown ending of a trajectory, expected .csv or .h5", path);
+const trajectory_writer *trajectory_writer_together(const char *path) {
+  const trajectory_format *format = format_of(path);
+  char error[256];
+  return format && format->together ? skf_module_symbol(format->together, format->symbol, error) : NULL;
 }

@@ -3,7 +3,7 @@
 #ifndef SKF_TOOLS_TRAJECTORY_H
 #define SKF_TOOLS_TRAJECTORY_H
 
-#include "cli.h"
+#include "team.h"
 
 /* What a trajectory is about. */
 typedef struct trajectory_table {
@@ -12,6 +12,9 @@ typedef struct trajectory_table {
   bool track;      /* rows carry latitude, longitude [deg] and height [L] over a body */
   bool invariants; /* rows carry skf_quantities */
   bool turning;    /* everything is in the frame of the body that spins */
+  /* Rows are of the particles of this process, rank, rank + size, ..., and all processes write the file together; NULL:
+     of all particles. */
+  const team *crew;
 } trajectory_table;
 
 typedef struct run_place {
@@ -34,12 +37,13 @@ static inline void run_quantities(const skf_quantities *q, double out[RUN_QUANTI
 }
 
 typedef struct trajectory_writer {
-  /* Each returns CLI_DONE, or another status after the message. path NULL or "-" is stdout. */
+  /* Each returns CLI_DONE, or another status after the message: the same for all processes that write together. path
+     NULL or "-" is stdout. *self NULL: the processes do not see the same files. */
   int (*open)(void **self, const char *path, const trajectory_table *table);
   int (*row)(void *self, double t, const skf_state *states, const run_more *more); /* of all particles */
-  int (*contact)(void *self, const skf_contact *contact);                          /* NULL: keeps none */
-  int (*commit)(void *self);                                                       /* frees self */
-  void (*abort)(void *self);                                                       /* frees self */
+  int (*contact)(void *self, const skf_contact *contact); /* NULL: keeps none; of the first process alone */
+  int (*commit)(void *self);                              /* frees self */
+  void (*abort)(void *self);                              /* frees self */
 } trajectory_writer;
 
 extern const trajectory_writer trajectory_writer_csv;
@@ -47,6 +51,8 @@ extern const trajectory_writer trajectory_writer_csv;
 /* By the file's ending; CSV for stdout. CLI_BAD after the message for an ending that none has, CLI_FAILED where the
    format's module is missing. */
 int trajectory_writer_for(const char *path, const trajectory_writer **out);
+/* The one with which all processes write such a file together; NULL where there is none. */
+const trajectory_writer *trajectory_writer_together(const char *path);
 
 /* The contract's contact log, one CSV row for each contact. */
 void contact_header(FILE *f);

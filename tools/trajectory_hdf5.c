@@ -1,16 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Trajectories as HDF5: t (T), position and velocity (T, N, 3), on request place (T, N, 3) and invariants (T, N, 6),
    particles, bodies, contacts, the scene's text, and as attributes the program, its version, the frame and the seeds.
-   No wall time: the same run gives the same data. */
-#include "trajectory.h"
+   No wall time: the same run gives the same data.
+
+   Compiled twice, with the HDF5 of one process and with that of MPI. Both lay the file out by one process, open it
+   again and write rows in blocks, each chunk whole and once (but for the last ones) and in the same order: so the file
+   has the same bytes for any number of processes. It is valid after each block. */
+#include "hdf5_share.h"
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <hdf5.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 enum { TIME, POSITION, VELOCITY, PLACE, INVARIANTS, SERIES };
-/* A chunk holds about this many numbers: 8000 doubles are 64 kB. */
-#define CHUNK 8000
+enum { TIMES = HDF5_CHUNK + 1, CONTACTS = HDF5_CHUNK / 16 + 1 }; /* in a chunk */
+
+static const char *const series_names[SERIES] = {"t", "position", "velocity", "place", "invariants"};
 
 /* A contact as it lies in the file. */
 typedef struct contact_record {
@@ -21,80 +27,25 @@ typedef struct contact_record {
 } contact_record;
 
 typedef struct run_hdf5 {
-  cli_out out;
+  cli_out out; /* the first process's; the others know the temporary name */
   const trajectory_table *table;
-  hid_t file, series[SERIES], contacts, contact_type;
-  hsize_t rows, contact_count;
-  double *buffer; /* 6 N */
-  bool failed;
+  trajectory_table alone; /* when another process is lost */
+  hdf5_share share;
+  hid_t file, transfer, series[SERIES], contacts, contact_type;
+  hsize_t rows, times, contact_count; /* in the file */
+  double *held[SERIES];               /* what waits: times, and rows of this process's particles */
+  size_t held_rows, held_times, block;
+  contact_record *records; /* that wait */
+  size_t record_count, record_room;
+  bool no_room, failed;
 } run_hdf5;
 
-static bool text_attribute(hid_t at, const char *name, const char *text) {
-  hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
-  H5Tset_size(type, strlen(text) + 1);
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  hid_t a = H5Acreate2(at, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
-  bool ok = a >= 0 && H5Awrite(a, type, text) >= 0;
-  if (a >= 0) H5Aclose(a);
-  H5Sclose(space);
-  H5Tclose(type);
-  return ok;
-}
+static bool leads(const run_hdf5 *w) { return !w->table->crew || team_leads(w->table->crew); }
+static bool lost(const run_hdf5 *w) { return w->table->crew && team_lost(w->table->crew); }
 
-/* A data set of its final size, and what is in it. Without its time of birth: the same run gives the same bytes. */
-static bool fixed(hid_t at, const char *name, hid_t type, hid_t space, const void *data) {
-  hid_t plan = H5Pcreate(H5P_DATASET_CREATE);
-  H5Pset_obj_track_times(plan, false);
-  hid_t d = H5Dcreate2(at, name, type, space, H5P_DEFAULT, plan, H5P_DEFAULT);
-  bool ok = d >= 0 && (!data || H5Dwrite(d, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
-  if (d >= 0) H5Dclose(d);
-  H5Pclose(plan);
-  return ok;
-}
-
-/* The scene's text goes to a data set: attributes are limited to 64 kB. */
-static bool text_data(hid_t at, const char *name, const char *text, size_t length) {
-  hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
-  H5Tset_size(type, length + 1);
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  bool ok = fixed(at, name, type, space, text);
-  H5Sclose(space);
-  H5Tclose(type);
-  return ok;
-}
-
-static bool names(run_hdf5 *w, const char *name, size_t n, const char *(*get)(const skf_scene *, size_t)) {
-  hsize_t dims[1] = {n};
-  const char **list = calloc(n + 1, sizeof *list);
-  if (!list) return false;
-  for (size_t i = 0; i < n; i++) list[i] = get(w->table->scene, i);
-  hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate_simple(1, dims, NULL);
-  H5Tset_size(type, H5T_VARIABLE);
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  bool ok = fixed(w->file, name, type, space, n ? list : NULL);
-  H5Sclose(space);
-  H5Tclose(type);
-  free(list);
-  return ok;
-}
-
-static const char *particle_name(const skf_scene *s, size_t i) { return s->particles[i].name; }
-static const char *body_name(const skf_scene *s, size_t i) { return s->bodies[i].name; }
-
-/* A data set that grows along its first dimension, chunked, shuffled and deflated. */
-static hid_t growing(hid_t file, const char *name, hid_t type, int rank, const hsize_t *rest, size_t width) {
-  hsize_t dims[3] = {0}, most[3] = {H5S_UNLIMITED}, chunk[3] = {CHUNK / (width ? width : 1) + 1};
-  for (int k = 1; k < rank; k++) dims[k] = most[k] = chunk[k] = rest[k - 1];
-  if (rank > 1 && chunk[1] > CHUNK / 3) chunk[1] = CHUNK / 3;
-  hid_t space = H5Screate_simple(rank, dims, most), plan = H5Pcreate(H5P_DATASET_CREATE);
-  H5Pset_chunk(plan, rank, chunk);
-  H5Pset_shuffle(plan);
-  H5Pset_deflate(plan, 1);
-  H5Pset_obj_track_times(plan, false);
-  hid_t d = H5Dcreate2(file, name, type, space, H5P_DEFAULT, plan, H5P_DEFAULT);
-  H5Pclose(plan);
-  H5Sclose(space);
-  return d;
+/* The worst of all processes. */
+static int agree(const trajectory_table *table, int status) {
+  return table->crew ? team_agree(table->crew, status) : status;
 }
 
 static hid_t contact_type(void) {
@@ -115,169 +66,279 @@ static hid_t contact_type(void) {
   return type;
 }
 
-/* Appends one record of shape `rest` to a growing data set. */
-static bool append(hid_t d, hid_t type, int rank, const hsize_t *rest, hsize_t at, const void *data) {
-  hsize_t size[3] = {at + 1}, start[3] = {at}, count[3] = {1};
-  for (int k = 1; k < rank; k++) size[k] = count[k] = rest[k - 1];
-  if (H5Dset_extent(d, size) < 0) return false;
-  hid_t file = H5Dget_space(d), memory = H5Screate_simple(rank, count, NULL);
-  H5Sselect_hyperslab(file, H5S_SELECT_SET, start, NULL, count, NULL);
-  bool ok = H5Dwrite(d, type, memory, file, H5P_DEFAULT, data) >= 0;
-  H5Sclose(memory);
-  H5Sclose(file);
-  return ok;
-}
+static hsize_t series_width(int k) { return k == TIME ? 1 : k == INVARIANTS ? RUN_QUANTITIES : 3; }
 
-/* The scene's file, whole; NULL when it cannot be read again (a pipe). */
-static char *slurp(const char *path, size_t *length) {
-  FILE *f = fopen(path, "rb");
-  char *text = NULL;
-  size_t n = 0, room = 0;
-  while (f && !feof(f) && !ferror(f)) {
-    if (n + 65536 > room) {
-      char *more = realloc(text, room = 2 * room + 65536);
-      if (!more) break;
-      text = more;
-    }
-    n += fread(text + n, 1, 65535, f);
-  }
-  if (f) fclose(f);
-  if (text) text[n] = 0;
-  return *length = n, text;
-}
-
-static bool integers_attribute(hid_t at, const char *name, int rank, const hsize_t *shape, const long long *values) {
-  hid_t space = H5Screate_simple(rank, shape, NULL);
-  hid_t a = H5Acreate2(at, name, H5T_NATIVE_LLONG, space, H5P_DEFAULT, H5P_DEFAULT);
-  bool ok = a >= 0 && H5Awrite(a, H5T_NATIVE_LLONG, values) >= 0;
-  if (a >= 0) H5Aclose(a);
-  H5Sclose(space);
-  return ok;
-}
-
-/* `seed` of each source that draws its particles, and `seeded`: their first one and how many. */
-static bool seeds(run_hdf5 *w) {
-  enum { MOST = 1000 }; /* attributes are limited to 64 kB */
-  const skf_scene *scene = w->table->scene;
-  size_t n = scene->drawn_count < MOST ? scene->drawn_count : MOST;
-  long long seed[MOST], range[MOST][2];
-  for (size_t i = 0; i < n; i++) {
-    const skf_drawn *d = scene->drawn + i;
-    seed[i] = d->seed, range[i][0] = (long long)d->first, range[i][1] = (long long)d->count;
-  }
-  hsize_t shape[2] = {n, 2};
-  return n == 0 || (integers_attribute(w->file, "seed", 1, shape, seed) &&
-                    integers_attribute(w->file, "seeded", 2, shape, range[0]));
-}
-
-static bool describe(run_hdf5 *w) {
-  size_t length;
-  char *text = slurp(w->table->scene_path, &length);
-  bool ok = text_attribute(w->file, "program", "skelfield") && text_attribute(w->file, "version", skf_version());
-  ok = ok && text_attribute(w->file, "frame", w->table->turning ? "body" : "inertial");
-  ok = ok && seeds(w);
-  if (text && length > 0) ok = ok && text_data(w->file, "scene", text, length);
-  free(text);
-  ok = ok && names(w, "particles", w->table->scene->particle_count, particle_name);
-  return ok && names(w, "bodies", w->table->scene->body_count, body_name);
+static bool asked_for(const run_hdf5 *w, int k) {
+  return (k != PLACE || w->table->track) && (k != INVARIANTS || w->table->invariants);
 }
 
 static bool lay_out(run_hdf5 *w) {
-  static const char *const name[SERIES] = {"t", "position", "velocity", "place", "invariants"};
-  hsize_t n = w->table->scene->particle_count;
   bool ok = true;
-  for (int k = 0; k < SERIES; k++) {
-    if ((k == PLACE && !w->table->track) || (k == INVARIANTS && !w->table->invariants)) continue;
-    hsize_t shape[2] = {n, k == INVARIANTS ? RUN_QUANTITIES : 3};
-    w->series[k] = growing(w->file, name[k], H5T_NATIVE_DOUBLE, k ? 3 : 1, shape, k ? shape[0] * shape[1] : 1);
-    ok = ok && w->series[k] >= 0;
+  for (int k = 0; k < SERIES && ok; k++) {
+    hsize_t shape[2] = {w->table->scene->particle_count, series_width(k)}, deep = k ? w->block : TIMES;
+    if (asked_for(w, k))
+      ok = hdf5_growing(w->file, series_names[k], H5T_NATIVE_DOUBLE, k ? 3 : 1, deep, shape, w->series + k);
   }
-  if (w->table->invariants) ok = ok && text_attribute(w->series[INVARIANTS], "columns", RUN_QUANTITY_NAMES);
-  w->contact_type = contact_type();
-  w->contacts = growing(w->file, "contacts", w->contact_type, 1, NULL, 16);
-  return ok && w->contacts >= 0;
+  if (ok && w->table->invariants) ok = hdf5_text(w->series[INVARIANTS], "columns", RUN_QUANTITY_NAMES);
+  return ok && hdf5_growing(w->file, "contacts", w->contact_type, 1, CONTACTS, NULL, &w->contacts);
 }
 
-static int broken(run_hdf5 *w) {
-  w->failed = true;
-  return cli_fail(CLI_FAILED, "%s: HDF5 could not write", w->out.path);
-}
-
-static void close_all(run_hdf5 *w) {
+static bool close_file(run_hdf5 *w) {
   for (int k = 0; k < SERIES; k++)
     if (w->series[k] > 0) H5Dclose(w->series[k]);
   if (w->contacts > 0) H5Dclose(w->contacts);
-  if (w->contact_type > 0) H5Tclose(w->contact_type);
-  if (w->file > 0 && H5Fclose(w->file) < 0) w->failed = true;
-  free(w->buffer);
+  bool ok = w->file <= 0 || H5Fclose(w->file) >= 0;
+  memset(w->series, 0, sizeof w->series);
+  return w->contacts = w->file = 0, ok;
 }
 
+static int name_file(run_hdf5 *w, const char *path) {
+  int status = cli_out_name(&w->out, path);
+  if (status != CLI_DONE) w->out.temp[0] = 0;
+  return status;
+}
+
+/* By the first process: the file without rows. What is no regular file is not written together. */
+static bool make_file(run_hdf5 *w) {
+  if (w->table->crew && strcmp(w->out.temp, w->out.path) == 0) return true;
+  w->file = H5Fcreate(w->out.temp, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  bool ok = w->file >= 0 && hdf5_describe(w->file, w->table) && lay_out(w);
+  return close_file(w) && ok;
+}
+
+/* What the first process tells the others of the file that it has made. */
+typedef struct sight {
+  char name[sizeof((cli_out *)0)->temp];
+  unsigned long long node, size;
+} sight;
+
+static bool look(const char *name, sight *out) {
+  struct stat info;
+  int fd = open(name, O_RDWR | O_CLOEXEC);
+  bool ok = fd >= 0 && fstat(fd, &info) == 0 && S_ISREG(info.st_mode);
+  if (ok) out->node = info.st_ino, out->size = (unsigned long long)info.st_size;
+  if (fd >= 0) close(fd);
+  return ok;
+}
+
+/* Whether all processes see the file: they may be on machines that share no folder. */
+static bool in_sight(run_hdf5 *w, const char *path) {
+  const skf_team *link = &w->table->crew->link;
+  sight told = {{0}, 0, 0}, own = {{0}, 0, 0};
+  bool ok = true;
+  if (link->rank > 0) {
+    ok = !link->receive(link->user, 0, &told, sizeof told);
+    memcpy(w->out.temp, told.name, sizeof told.name);
+    snprintf(w->out.path, sizeof w->out.path, "%s", path);
+    ok = ok && look(told.name, &own) && own.node == told.node && own.size == told.size;
+  } else {
+    ok = strcmp(w->out.temp, w->out.path) != 0 && look(w->out.temp, &told);
+    strcpy(told.name, w->out.temp);
+    for (size_t m = 1; m < link->size; m++) ok = !link->send(link->user, m, &told, sizeof told) && ok;
+  }
+  return team_agree(w->table->crew, ok ? CLI_DONE : CLI_FAILED) == CLI_DONE;
+}
+
+/* By all. Chunks go to the file at once, not by way of a cache. */
+static bool open_file(run_hdf5 *w) {
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS), uncached = H5Pcreate(H5P_DATASET_ACCESS);
+  w->transfer = H5Pcreate(H5P_DATASET_XFER);
+  if (w->table->crew) hdf5_share_access(access, w->transfer);
+  H5Pset_chunk_cache(uncached, 0, 0, 0);
+  w->file = H5Fopen(w->out.temp, H5F_ACC_RDWR, access);
+  bool ok = w->file >= 0;
+  for (int k = 0; k < SERIES && ok; k++)
+    if (asked_for(w, k)) ok = (w->series[k] = H5Dopen2(w->file, series_names[k], uncached)) >= 0;
+  ok = ok && (w->contacts = H5Dopen2(w->file, "contacts", uncached)) >= 0;
+  H5Pclose(access);
+  H5Pclose(uncached);
+  return ok;
+}
+
+static void forget(run_hdf5 *w) {
+  if (w->transfer > 0) H5Pclose(w->transfer);
+  if (w->contact_type > 0) H5Tclose(w->contact_type);
+  for (int k = 0; k < SERIES; k++) free(w->held[k]);
+  hdf5_share_free(&w->share);
+  free(w->records);
+  free(w);
+}
+
+/* What several processes have failed to write cannot be closed: some would wait for others. */
 static void abort_hdf5(void *self) {
   run_hdf5 *w = self;
-  close_all(w);
-  cli_out_abort(&w->out);
-  free(w);
+  if (w->table->crew && (w->failed || lost(w)))
+    team_hurry(w->table->crew, 0);
+  else
+    close_file(w);
+  if (leads(w)) cli_out_abort(&w->out);
+  forget(w);
+}
+
+/* What is wrong with one process is wrong with all of them. But they may be waiting for it within HDF5: then it does
+   what is else the first one's and ends alone, which makes the launcher end the others. */
+static int agreed(run_hdf5 *w, bool ok) {
+  if (!ok && w->table->crew) team_hurry(w->table->crew, 2);
+  int status = agree(w->table, ok ? CLI_DONE : CLI_FAILED);
+  if (status == CLI_DONE || w->failed) return status;
+  w->failed = true;
+  if (!ok && !leads(w) && lost(w)) {
+    unlink(w->out.temp);
+    fprintf(stderr, "skelfield: %s: HDF5 could not write\n", w->out.path);
+  }
+  return cli_fail(CLI_FAILED, "%s: HDF5 could not write", w->out.path);
+}
+
+static bool allocate(run_hdf5 *w) {
+  size_t n = w->table->scene->particle_count;
+  w->block = HDF5_CHUNK / (3 * n) + 1;
+  bool ok = hdf5_share_new(&w->share, w->table->crew, n, w->block);
+  ok = ok && (w->held[TIME] = calloc(TIMES, sizeof(double)));
+  for (int k = POSITION; k < SERIES && ok; k++)
+    if (asked_for(w, k)) ok = (w->held[k] = calloc(w->block * w->share.mine + 1, series_width(k) * sizeof(double)));
+  return ok;
 }
 
 static int open_hdf5(void **self, const char *path, const trajectory_table *table) {
   run_hdf5 *w = calloc(1, sizeof *w);
-  if (!w || !(w->buffer = calloc(RUN_QUANTITIES * table->scene->particle_count + 1, sizeof(double))))
-    return free(w), cli_fail(CLI_FAILED, "out of memory");
-  w->table = table;
-  int status = cli_out_name(&w->out, path);
-  if (status != CLI_DONE) return free(w->buffer), free(w), status;
+  if (w) w->table = table;
+  bool room = w && allocate(w);
+  int status = agree(table, room ? CLI_DONE : cli_fail(CLI_FAILED, "out of memory"));
+  *self = NULL;
+  if (status != CLI_DONE && !w) return status;
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-  w->file = H5Fcreate(w->out.temp, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  if (w->file < 0 || !describe(w) || !lay_out(w)) return broken(w), abort_hdf5(w), CLI_FAILED;
+  w->contact_type = contact_type();
+  if (status == CLI_DONE) status = agree(table, leads(w) ? name_file(w, path) : CLI_DONE);
+  if (status == CLI_DONE) status = agreed(w, !leads(w) || make_file(w));
+  bool seen = status == CLI_DONE && (!table->crew || in_sight(w, path));
+  if (seen) status = agreed(w, open_file(w));
+  if (!seen || status != CLI_DONE) return abort_hdf5(w), status;
   return *self = w, CLI_DONE;
+}
+
+/* Writes n records of a growing data set at `at`: of each this process's part of the second dimension, from `first` to
+   `end`; without one, the first process writes. */
+static int put(run_hdf5 *w, hid_t d, hid_t type, hsize_t at, hsize_t n, hsize_t width, const void *data) {
+  const hdf5_share *share = &w->share;
+  hsize_t size[3] = {at + n, share->count, width}, start[3] = {at, share->first, 0};
+  hsize_t count[3] = {n, share->end - share->first, width};
+  bool some = width ? count[1] > 0 : leads(w);
+  bool ok = H5Dset_extent(d, size) >= 0;
+  hid_t file = H5Dget_space(d), memory = H5Screate_simple(width ? 3 : 1, count, NULL);
+  if (some) {
+    H5Sselect_hyperslab(file, H5S_SELECT_SET, start, NULL, count, NULL);
+  } else {
+    H5Sselect_none(file);
+    H5Sselect_none(memory);
+  }
+  ok = ok && H5Dwrite(d, type, memory, file, w->transfer, data) >= 0;
+  H5Sclose(memory);
+  H5Sclose(file);
+  return agreed(w, ok);
+}
+
+static int put_times(run_hdf5 *w) {
+  hsize_t n = w->held_times;
+  int status = n ? put(w, w->series[TIME], H5T_NATIVE_DOUBLE, w->times, n, 0, w->held[TIME]) : CLI_DONE;
+  w->times += n, w->held_times = 0;
+  return status;
+}
+
+/* Contacts that wait: those of whole chunks, or all. */
+static int put_contacts(run_hdf5 *w, bool all) {
+  if (agreed(w, !w->no_room) != CLI_DONE) return CLI_FAILED;
+  size_t n = all ? w->record_count : w->record_count - w->record_count % CONTACTS;
+  n = (size_t)agree(w->table, (int)n); /* the others have none */
+  if (n == 0) return CLI_DONE;
+  int status = put(w, w->contacts, w->contact_type, w->contact_count, n, 0, w->records);
+  w->contact_count += n;
+  if (w->record_count == 0) return status;
+  w->record_count -= n;
+  memmove(w->records, w->records + n, w->record_count * sizeof *w->records);
+  return status;
+}
+
+/* The rows that wait. */
+static int put_block(run_hdf5 *w) {
+  int status = CLI_DONE;
+  for (int k = POSITION; k < SERIES && status == CLI_DONE && w->held_rows; k++) {
+    if (!asked_for(w, k)) continue;
+    const double *columns = hdf5_share_columns(&w->share, w->held[k], w->held_rows, series_width(k));
+    status = agreed(w, columns != NULL);
+    if (status == CLI_DONE)
+      status = put(w, w->series[k], H5T_NATIVE_DOUBLE, w->rows, w->held_rows, series_width(k), columns);
+  }
+  w->rows += w->held_rows, w->held_rows = 0;
+  return status;
+}
+
+static void hold(run_hdf5 *w, size_t i, const skf_state *s, const run_more *more) {
+  size_t at = w->held_rows * w->share.mine + i;
+  const skf_vec3 p = s->position, v = s->velocity;
+  memcpy(w->held[POSITION] + 3 * at, (double[3]){p.x, p.y, p.z}, 3 * sizeof(double));
+  memcpy(w->held[VELOCITY] + 3 * at, (double[3]){v.x, v.y, v.z}, 3 * sizeof(double));
+  if (w->table->invariants) run_quantities(more->quantities + i, w->held[INVARIANTS] + RUN_QUANTITIES * at);
+  if (!w->table->track) return;
+  const run_place *place = more->places + i;
+  memcpy(w->held[PLACE] + 3 * at, (double[3]){place->latitude, place->longitude, place->height}, 3 * sizeof(double));
 }
 
 static int row_hdf5(void *self, double t, const skf_state *states, const run_more *more) {
   run_hdf5 *w = self;
-  const run_place *places = more->places;
-  hsize_t n = w->table->scene->particle_count;
-  bool ok = append(w->series[TIME], H5T_NATIVE_DOUBLE, 1, NULL, w->rows, &t);
-  for (int k = POSITION; k < SERIES && ok; k++) {
-    if ((k == PLACE && !places) || (k == INVARIANTS && !more->quantities)) continue;
-    hsize_t shape[2] = {n, k == INVARIANTS ? RUN_QUANTITIES : 3};
-    for (size_t i = 0; i < n; i++) {
-      if (k == INVARIANTS) {
-        run_quantities(more->quantities + i, w->buffer + RUN_QUANTITIES * i);
-        continue;
-      }
-      skf_vec3 v = k == POSITION ? states[i].position : states[i].velocity;
-      if (k == PLACE) v = (skf_vec3){places[i].latitude, places[i].longitude, places[i].height};
-      memcpy(w->buffer + 3 * i, (double[3]){v.x, v.y, v.z}, 3 * sizeof(double));
-    }
-    ok = append(w->series[k], H5T_NATIVE_DOUBLE, 3, shape, w->rows, w->buffer);
+  for (size_t i = 0; i < w->share.mine; i++) hold(w, i, states + i, more);
+  w->held[TIME][w->held_times++] = t;
+  int status = CLI_DONE;
+  if (++w->held_rows == w->block) {
+    status = put_block(w);
+    if (status == CLI_DONE) status = put_contacts(w, false);
+    if (status == CLI_DONE) status = agreed(w, H5Fflush(w->file, H5F_SCOPE_LOCAL) >= 0);
   }
-  w->rows++;
-  return ok ? CLI_DONE : broken(w);
+  return status == CLI_DONE && w->held_times == TIMES ? put_times(w) : status;
 }
 
 static void vector(double out[3], skf_vec3 v) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
 
+/* A failure waits until the next block: the other processes know of it then. */
 static int contact_hdf5(void *self, const skf_contact *c) {
   run_hdf5 *w = self;
-  contact_record r = {.t = c->t, .particle = (long long)c->particle, .body = (long long)c->body};
-  vector(r.position, c->position);
-  vector(r.normal, c->normal);
-  vector(r.velocity, c->before);
-  vector(r.after, c->after);
-  strncpy(r.outcome, skf_outcome_name(c->outcome), sizeof r.outcome - 1);
-  return append(w->contacts, w->contact_type, 1, NULL, w->contact_count++, &r) ? CLI_DONE : broken(w);
+  if (w->record_count == w->record_room) {
+    size_t room = 2 * w->record_room + CONTACTS;
+    contact_record *more = realloc(w->records, room * sizeof *more);
+    if (!more) return w->no_room = true, CLI_DONE;
+    w->records = more, w->record_room = room;
+  }
+  contact_record *r = w->records + w->record_count++;
+  *r = (contact_record){.t = c->t, .particle = (long long)c->particle, .body = (long long)c->body};
+  vector(r->position, c->position);
+  vector(r->normal, c->normal);
+  vector(r->velocity, c->before);
+  vector(r->after, c->after);
+  strncpy(r->outcome, skf_outcome_name(c->outcome), sizeof r->outcome - 1);
+  return CLI_DONE;
+}
+
+/* Without one of the processes the file cannot be closed. It is valid as it was after the last block: the first process
+   opens it by itself and adds what it has. */
+static int go_on_alone(run_hdf5 *w) {
+  trajectory_table *alone = &w->alone;
+  *alone = *w->table, alone->crew = NULL, w->table = alone;
+  memset(w->series, 0, sizeof w->series);
+  w->contacts = w->file = 0;
+  w->held_rows = 0, w->held_times = (size_t)(w->rows - w->times);
+  return agreed(w, open_file(w));
 }
 
 static int commit_hdf5(void *self) {
   run_hdf5 *w = self;
-  close_all(w);
-  int status = CLI_FAILED;
-  if (w->failed)
-    cli_out_abort(&w->out);
-  else
-    status = cli_out_commit(&w->out);
-  free(w);
-  return status;
+  if (lost(w) && !leads(w)) return abort_hdf5(w), CLI_FAILED;
+  int status = lost(w) ? go_on_alone(w) : CLI_DONE;
+  if (status == CLI_DONE) status = put_block(w);
+  if (status == CLI_DONE) status = put_contacts(w, true);
+  if (status == CLI_DONE) status = put_times(w);
+  if (status == CLI_DONE) status = agreed(w, close_file(w));
+  if (status != CLI_DONE) return abort_hdf5(w), status;
+  status = agree(w->table, leads(w) ? cli_out_commit(&w->out) : CLI_DONE);
+  return forget(w), status;
 }
 
 /* Found by this name in the module. */

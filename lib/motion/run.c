@@ -235,17 +235,18 @@ static skf_status merge(skf_runner *r, skf_contact_log *all) {
   return SKF_OK;
 }
 
-/* Hands contacts and rows on, in order of time, up to but not including the time `before`. */
-static skf_status deliver(skf_runner *r, double before) {
-  skf_contact_log all;
-  skf_status s = merge(r, &all);
+/* Hands contacts and rows on, in order of time, up to but not including the time `before`; s: whether they are here. */
+static skf_status deliver(skf_runner *r, skf_status s, double before) {
+  skf_contact_log all = {0};
+  if (!s) s = merge(r, &all);
+  if (r->own) s = skf_team_agree(&r->team, s, NULL); /* all hand on the same rows, or none does */
   size_t c = 0;
   for (size_t k = 0; k < skf_runner_rows(r) && !s; k++) {
     double t = row_time(r, r->first + k);
     if (t >= before) break;
     for (; c < all.count && all.entries[c].contact.t <= t && !s; c++)
       if (r->sink->contact) s = r->sink->contact(r->sink->user, &all.entries[c].contact);
-    if (!s && r->sink->row) s = r->sink->row(r->sink->user, t, r->rows + k * r->run.count);
+    if (!s && r->sink->row) s = r->sink->row(r->sink->user, t, r->rows + k * r->width);
   }
   skf_free(all.entries);
   return s;
@@ -263,15 +264,16 @@ static skf_status verdict(const skf_runner *r, skf_status before, skf_run_failur
 skf_status skf_runner_fly(skf_runner *r, const skf_run_sink *sink, const skf_progress *progress,
                           skf_run_failure *failure) {
   skf_run_failure where;
-  skf_status s = SKF_OK; /* of the sink, which the first member alone has */
+  skf_status s = SKF_OK; /* of this member's sink, if it has one */
   r->sink = sink, r->progress = progress, r->stop = 0;
+  if (sink && sink->own) r->own = true, r->width = r->mine, r->stride = 1;
   while (r->first < r->row_count) {
     if (!s) fly_all(r);
     skf_status bad = verdict(r, s, &where);
     if (bad == SKF_ERR_CONVERGENCE && failure) *failure = where;
     if (bad && bad != SKF_ERR_CONVERGENCE) return bad;
     s = skf_runner_collect(r);
-    if (!s && r->team.rank == 0) s = deliver(r, where.t);
+    if (r->own || r->team.rank == 0) s = deliver(r, s, where.t);
     if (bad) return skf_team_agree(&r->team, s ? s : bad, NULL);
     r->first += skf_runner_rows(r), r->flown = 0;
     for (size_t i = 0; i < r->mine; i++) r->waiting[i].row = 0;
@@ -334,7 +336,7 @@ skf_status skf_runner_new(const skf_world *world, const skf_run *run, skf_runner
   omp_init_lock(&r->watching);
   r->world = world, r->run = *run, r->start = start, r->team = team;
   r->mine = skf_team_share(&r->team, r->team.rank, run->count);
-  r->width = r->team.rank ? r->mine : run->count;
+  r->width = r->team.rank ? r->mine : run->count, r->stride = r->team.rank ? 1 : r->team.size;
   r->row_count = run->count ? count_rows(run, start) : 0;
   size_t most = run->count ? HELD / run->count + 1 : 1;
   r->window = r->row_count / WINDOWS + 1;

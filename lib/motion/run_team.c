@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A run that several processes share. All of them go through the same windows; after each they agree on how it went,
-   and the first one receives the others' rows and contacts. A run of one process sends nothing. */
+   and the first one receives the others' rows and contacts (of sinks that have their own rows only the contacts). A run
+   of one process sends nothing. */
 #include "core/alloc.h"
 #include "core/vec3.h"
 #include "motion/runner.h"
@@ -48,7 +49,7 @@ skf_status skf_team_agree(const skf_team *t, skf_status status, skf_run_failure 
 static skf_status send_window(skf_runner *r) {
   const skf_team *t = &r->team;
   skf_status s = SKF_OK;
-  for (size_t k = 0; k < skf_runner_rows(r) && r->mine && !s; k++)
+  for (size_t k = 0; k < skf_runner_rows(r) && r->mine && !r->own && !s; k++)
     s = t->send(t->user, 0, r->rows + k * r->mine, r->mine * sizeof *r->rows);
   for (int i = 0; i < r->threads && !s; i++) {
     uint64_t count = r->logs[i].count;
@@ -81,7 +82,7 @@ static skf_status receive_window(skf_runner *r, size_t m) {
   const skf_team *t = &r->team;
   size_t share = skf_team_share(t, m, r->run.count);
   skf_status s = SKF_OK;
-  for (size_t k = 0; k < skf_runner_rows(r) && share && !s; k++) {
+  for (size_t k = 0; k < skf_runner_rows(r) && share && !r->own && !s; k++) {
     s = t->receive(t->user, m, r->arrived, share * sizeof *r->arrived);
     for (size_t i = 0; i < share && !s; i++) r->rows[k * r->width + m + i * t->size] = r->arrived[i];
   }

@@ -42,7 +42,8 @@ struct skf_runner {
   skf_cluster *cluster; /* of particles that attract each other, or NULL */
   skf_pending *waiting;
   skf_state *rows, *arrived; /* rows of the window, `width` states each; what another member has sent of one */
-  size_t width;              /* the first member has all particles' states, the others have their own */
+  size_t width, stride;      /* the first member has all particles' states, unless own; the others have their own */
+  bool own;                  /* each member's sink has its own particles' rows */
   skf_contact_log *logs;     /* of each thread */
   int threads;
   skf_status *status; /* in this window */
@@ -65,7 +66,7 @@ static inline size_t skf_team_share(const skf_team *t, size_t member, size_t n) 
 
 /* The state of this member's particle i in row k of the window. */
 static inline skf_state *skf_runner_cell(const skf_runner *r, size_t i, size_t k) {
-  return r->rows + k * r->width + (r->team.rank ? i : i * r->team.size);
+  return r->rows + k * r->width + i * r->stride;
 }
 
 /* Adds to the worst so far: of failures of particles the first one, and anything else before those. */
@@ -73,7 +74,7 @@ void skf_team_worse(skf_status *worst, skf_run_failure *where, skf_status status
 /* The worst of all members' statuses, the same for all of them; where, of the first particle that failed, may be NULL.
  */
 skf_status skf_team_agree(const skf_team *t, skf_status status, skf_run_failure *where);
-/* Brings the window's rows and contacts to the first member. */
+/* Brings the window's rows (unless own) and contacts to the first member. */
 skf_status skf_runner_collect(skf_runner *r);
 
 #endif

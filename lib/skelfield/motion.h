@@ -267,10 +267,10 @@ SKF_API skf_status skf_world_touch(const skf_world *world, const skf_ballistic *
 /* Processes that share a run, each with the particles rank, rank + size, ...: results do not depend on how many there
    are. All make the same calls with the same world, run and options in the same order; functions of runs are then
    meetings of all, and every one returns the same status. The one of rank 0 alone has the sink, receives the others'
-   rows and contacts and writes and reads what is saved. A progress that asks to stop stops its own process, the others
-   at the end of their window unless theirs ask, too. A message is received by one call with its n, in order; both
-   functions may wait, are called by one thread at a time, outside of parallel regions, and end the run by another
-   status than SKF_OK, which others may not learn of. */
+   rows (unless they have sinks of their own) and contacts and writes and reads what is saved. A progress that asks to
+   stop stops its own process, the others at the end of their window unless theirs ask, too. A message is received by
+   one call with its n, in order; both functions may wait, are called by one thread at a time, outside of parallel
+   regions, and end the run by another status than SKF_OK, which others may not learn of. */
 typedef struct skf_team {
   size_t rank, size; /* rank < size; of size 1 it needs no functions */
   skf_status (*send)(void *user, size_t to, const void *bytes, size_t n);
@@ -292,11 +292,15 @@ typedef struct skf_run {
 } skf_run;
 
 /* Receives what a run makes, from one thread, in order of time; contacts of the same time by particle, and all contacts
-   up to a time before the row of that time. A status other than SKF_OK ends the run with that status. */
+   up to a time before the row of that time. A status other than SKF_OK ends the run with that status: at once, or at
+   the end of a window where it is that of another process. */
 typedef struct skf_run_sink {
   skf_status (*row)(void *user, double t, const skf_state *states);
   skf_status (*contact)(void *user, const skf_contact *contact);
   void *user;
+  /* Each process of the team has a sink, whose rows are of its own particles; they are never gathered. Contacts go to
+     that of rank 0 all the same. Alike for all processes, and in all calls for a runner. */
+  bool own;
 } skf_run_sink;
 
 /* Where a run failed. */

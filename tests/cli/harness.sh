@@ -25,8 +25,8 @@ trap 'rm -rf "$kept"' EXIT
 mkdir "$kept/work"
 cd "$kept/work" || exit 1
 
-# has ADAPTER: whether the program was built with cgal, opencv, png, geographiclib, hdf5 or mpi (tested in adapters.sh).
-has() { case " ${SKF_ADAPTERS-cgal opencv png geographiclib hdf5 mpi} " in *" $1 "*) true ;; *) false ;; esac; }
+# has ADAPTER: whether the program was built with cgal, opencv, png, geographiclib, hdf5, mpi or hdf5-mpi (tested in adapters.sh).
+has() { case " ${SKF_ADAPTERS-cgal opencv png geographiclib hdf5 mpi hdf5-mpi} " in *" $1 "*) true ;; *) false ;; esac; }
 
 # write FILE: makes a file of what is on stdin.
 write() { cat >"$1"; }

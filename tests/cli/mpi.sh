@@ -63,9 +63,7 @@ for f in $formats; do
   cp "$kept/out" whole.json
   cp "$kept/err" whole.err
   [ -z "$bins" ] || mv bins.csv whole-bins.csv
-  counts="1 2 3 4"
-  [ $f = csv ] || counts=3
-  for n in $counts; do
+  for n in 1 2 3 4; do
     runs share $n simulate rain.yaml -o run.$f --contacts hits.csv --approach near.csv --json $bins
     expect_status "$n processes, $f" 0
     expect_same "the same rows" whole.$f run.$f
@@ -78,6 +76,44 @@ for f in $formats; do
 done
 runs share 2 simulate rain.yaml
 expect_same "to stdout" whole.csv out
+
+# HDF5 by all of them, each its share of the particles: more than a chunk of them, and what several rows add to them
+if ! has hdf5-mpi; then
+  pass "no HDF5 of MPI in the build: one process writes for all, the others' part is skipped"
+else
+  sed -e 's/count: 60/count: 5000/' -e 's/count: 40/count: 3001/' -e 's/t_end: 5/t_end: 1/' rain.yaml >crowd.yaml
+  more="--invariants --frame body"
+  run simulate crowd.yaml -o crowd.h5 $more
+  expect_status "8001 particles" 0
+  for n in 2 3; do
+    rm -f "$kept"/loaded.*
+    LD_DEBUG=files LD_DEBUG_OUTPUT="$kept/loaded" share $n simulate crowd.yaml -o run.h5 $more >/dev/null 2>"$kept/err"
+    ran_status=$? ran="simulate on $n processes, HDF5"
+    expect_same "$ran: the same bytes" crowd.h5 run.h5
+    expect "each of them writes" [ "$(grep -l 'skelfield-hdf5-mpi.so' "$kept"/loaded.* | wc -l)" = $n ]
+  done
+  runs share 3 simulate crowd.yaml -o run.h5 $more --checkpoint part.ckpt
+  expect_same "with checkpoints one does" crowd.h5 run.h5
+  # Files that may not grow: of all of them, of one.
+  limited() { (trap '' XFSZ && ulimit -f 20 && exec "$SKF_PROGRAM" "$@"); }
+  export -f limited
+  one=(-n 1 bash -c 'limited "$@"' limited) all=(-n 2 bash -c 'limited "$@"' limited) other=(-n 1 "$SKF_PROGRAM")
+  fly=(simulate crowd.yaml -o full.h5)
+  for who in all one-other other-one; do
+    case $who in
+      all) line=("${all[@]}" "${fly[@]}") ;;
+      one-other) line=("${one[@]}" "${fly[@]}" : "${other[@]}" "${fly[@]}") ;;
+      other-one) line=("${other[@]}" "${fly[@]}" : "${one[@]}" "${fly[@]}") ;;
+    esac
+    timeout 60 mpirun -q --oversubscribe --mca mpi_yield_when_idle 1 "${line[@]}" >/dev/null 2>"$kept/err"
+    ran_status=$? ran="simulate, full disk: $who"
+    expect "it ends" [ $ran_status -ne 0 ]
+    expect "in time" [ $ran_status -ne 124 ]
+    expect "it is told once" [ "$(grep -c '^skelfield: .*full.h5: HDF5 could not write' "$kept/err")" = 1 ]
+    expect "nothing is left" [ -z "$(find . -name '*full.h5*')" ]
+  done
+  rm crowd.* part.ckpt
+fi
 sed -e '/dust/d' -e 's/count: 60/count: 2/' rain.yaml >two.yaml
 run simulate two.yaml -o two.csv
 runs share 3 simulate two.yaml -o three.csv

@@ -11,8 +11,10 @@ typedef struct member {
   skf_team team;
   int to[MOST][2], from[MOST][2]; /* ends of the pipes to and from each of the others */
   const skf_run *run;
-  record *made; /* of the first */
-  bytes *kept;  /* of the first, with `load` to begin with */
+  record *made; /* of the first; of all with `own`, each its particles' part */
+  bool own;
+  size_t own_rows;
+  bytes *kept; /* of the first, with `load` to begin with */
   bool load;
   long patience; /* steps until it asks to stop, 0: never */
   skf_flight_report *reports;
@@ -56,6 +58,19 @@ static int patient(void *user, double done) {
   return m->patience > 0 && --m->patience == 0;
 }
 
+static skf_status own_row(void *user, double t, const skf_state *states) {
+  member *m = user;
+  size_t k = m->own_rows++;
+  for (size_t i = m->team.rank; i < COUNT; i += m->team.size) m->made->states[k][i] = *states++;
+  if (m->team.rank == 0) m->made->t[k] = t, m->made->rows = k + 1;
+  return SKF_OK;
+}
+
+static skf_status own_contact(void *user, const skf_contact *c) {
+  member *m = user;
+  return m->team.rank == 0 ? contact(m->made, c) : SKF_ERR_ARG;
+}
+
 static void *take_part(void *user) {
   member *m = user;
   skf_run run = *m->run;
@@ -66,8 +81,9 @@ static void *take_part(void *user) {
   if (m->status) return NULL;
   if (m->load) m->status = skf_runner_load(r, get, m->kept);
   if (m->kept) m->kept->n = m->kept->at = 0;
-  const skf_run_sink sink = {row, contact, m->made};
-  if (!m->status) m->status = skf_runner_fly(r, m->made ? &sink : NULL, &(skf_progress){patient, m}, &m->where);
+  const skf_run_sink gathered = {row, contact, m->made}, own = {own_row, own_contact, m, true};
+  const skf_run_sink *sink = m->own ? &own : m->made ? &gathered : NULL;
+  if (!m->status) m->status = skf_runner_fly(r, sink, &(skf_progress){patient, m}, &m->where);
   m->saved = m->status == SKF_ERR_CANCELLED ? skf_runner_save(r, put, m->kept) : SKF_OK;
   if (!m->saved) m->saved = skf_runner_reports(r, m->reports);
   skf_runner_free(r);
@@ -80,6 +96,7 @@ static skf_status meet(member *first, size_t n) {
   pthread_t threads[MOST];
   for (size_t i = 0; i < n; i++) {
     all[i] = (member){.run = first->run, .load = first->load};
+    if (first->own) all[i].own = true, all[i].made = first->made;
     if (i == 0) all[i] = *first;
     all[i].patience = i == n / 2 ? first->patience : 0;
     all[i].team = (skf_team){i, n, send_to, receive_from, all + i};
@@ -111,6 +128,7 @@ static void same_reports(const skf_flight_report *want, const skf_flight_report 
 
 static const size_t sizes[] = {1, 2, 3, 7, COUNT, MOST};
 
+/* Nor do sinks of their own. */
 static void shares_change_nothing(void **state) {
   (void)state;
   const skf_flight_options free_flight = {.contact = SKF_CONTACT_NONE};
@@ -125,6 +143,10 @@ static void shares_change_nothing(void **state) {
       assert_int_equal(meet(&first, sizes[k]), SKF_OK);
       assert_memory_equal(whole, first.made, sizeof *whole);
       same_reports(want, got);
+      memset(first.made, 0, sizeof *whole);
+      first.own = true;
+      assert_int_equal(meet(&first, sizes[k]), SKF_OK);
+      assert_memory_equal(whole, first.made, sizeof *whole);
       free(first.made);
     }
     free(whole);
