@@ -60,6 +60,9 @@ typedef __m256d skf_mm;
 
 #define SKF_INLINE static inline __attribute__((always_inline))
 
+/* For each of n <= 4 vectors, unrolled */
+#define SKF_EACH(u, n) _Pragma("GCC unroll 4") for (size_t u = 0; u < (n); u++)
+
 /* (a - 0 is a, the sign of 0 with it.) */
 SKF_INLINE skf_vd vd_set(double a) { return (skf_real)a - (skf_vd){0}; }
 SKF_INLINE skf_vi vi_set(long long a) { return (skf_whole)a - (skf_vi){0}; }

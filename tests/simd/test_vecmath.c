@@ -32,6 +32,19 @@ static void test_log_ratio(void **state) {
   assert_true(worst <= 4);
 }
 
+static void test_log_one(void **state) {
+  (void)state;
+  uint64_t seed = 5;
+  double worst = 0, range = SKF_PICK(300, 36);
+  for (int i = 0; i < 4 * N; i++) {
+    const skf_real a = (skf_real)(i % 2 ? rnd(&seed, 0.4, 2.5) : power(&seed, -range, range));
+    const skf_vlog l = vd_log_one(vd_set(a));
+    worst = fmax(worst, ulps(vd_log_series(l.count, l.top / l.bottom)[i % SKF_LANES], logl(a)));
+  }
+  print_message("log of one: %.2f half ulps\n", worst);
+  assert_true(worst <= 4);
+}
+
 /* Where log(n' / d) takes most off k log 2 */
 static void test_log_cancels(void **state) {
   (void)state;
@@ -78,6 +91,17 @@ static void test_exp(void **state) {
   }
   print_message("exp2: %.2f half ulps\n", worst);
   assert_true(worst <= 2);
+  worst = 0;
+  for (int i = 0; i < N; i++) {
+    skf_real c = (skf_real)rnd(&seed, -3, 3), x = (skf_real)(rnd(&seed, -1, 1) * (i % 2 ? range / 3 : 1));
+    const skf_vd in[3] = {vd_set(x), vd_set(0), vd_set(x)};
+    skf_vd h[3];
+    vd_exp2_products(vd_set(c), 3, in, h);
+    worst = fmax(worst, ulps(h[i % 2 * 2][i % SKF_LANES], exp2l((long double)c * x)));
+    assert_true(h[1][i % SKF_LANES] == 1);
+  }
+  print_message("exp2 of several: %.2f half ulps\n", worst);
+  assert_true(worst <= 2);
   assert_true(vd_exp(vd_set(0))[2] == 1);
 }
 
@@ -98,8 +122,8 @@ static void test_helpers(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_log_ratio), cmocka_unit_test(test_log_cancels),
-                                     cmocka_unit_test(test_atan2), cmocka_unit_test(test_exp),
-                                     cmocka_unit_test(test_helpers)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_log_ratio),   cmocka_unit_test(test_log_one),
+                                     cmocka_unit_test(test_log_cancels), cmocka_unit_test(test_atan2),
+                                     cmocka_unit_test(test_exp),         cmocka_unit_test(test_helpers)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
