@@ -100,6 +100,43 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
   }                                                                                                                    \
   SKF_F32_ADD(name)
 
+/* Four vectors at once */
+#define SKF_BATCH_FOURS(name, way)                                                                                     \
+  SKF_F32_KEEP(name)                                                                                                   \
+  SKF_INLINE void name##_some(const skf_tile *tile, size_t j, const name##_row *row, f32_factor by, size_t n,          \
+                              bool first, const float *const p[3], size_t i, float *const sum[4]) {                    \
+    skf_v3d x[4];                                                                                                      \
+    skf_vd w[4], F[4], slope[4];                                                                                       \
+    SKF_EACH(u, n) x[u] = points_load(p, i + u * SKF_LANES);                                                           \
+    way##_measure(row, SKF_PLAIN, n, x, w);                                                                            \
+    if (__builtin_expect(!vi_all(name##_of(row, n, w, F, slope)), 0)) {                                                \
+      for (size_t u = 0; u < n; u++)                                                                                   \
+        name##_keep(tile, j, p, i + u * SKF_LANES, by, name##_value(row, points_load(p, i + u * SKF_LANES)), sum);     \
+      return;                                                                                                          \
+    }                                                                                                                  \
+    SKF_EACH(u, n) sum_float(sum[0] + i + u * SKF_LANES, by.F, F[u], first);                                           \
+    SKF_EACH(u, n)                                                                                                     \
+    sum_float(sum[1] + i + u * SKF_LANES, by.g, slope[u] * way##_along(row, x, p[0] + i + u * SKF_LANES), first);      \
+    SKF_EACH(u, n)                                                                                                     \
+    sum_float(sum[2] + i + u * SKF_LANES, by.g, slope[u] * way##_along(row, y, p[1] + i + u * SKF_LANES), first);      \
+    SKF_EACH(u, n)                                                                                                     \
+    sum_float(sum[3] + i + u * SKF_LANES, by.g, slope[u] * way##_along(row, z, p[2] + i + u * SKF_LANES), first);      \
+  }                                                                                                                    \
+  SKF_INLINE void name##_either(const skf_tile *tile, size_t j, const name##_row *row, f32_factor by, size_t n,        \
+                                bool first, const float *const p[3], float *const sum[4]) {                            \
+    size_t i = 0;                                                                                                      \
+    for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, row, by, 4, first, p, i, sum);             \
+    for (; i < n; i += SKF_LANES) name##_some(tile, j, row, by, 1, first, p, i, sum);                                  \
+  }                                                                                                                    \
+  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, f32_factor by, size_t n,           \
+                             const float *const p[3], float *const sum[4]) {                                           \
+    if (j == 0)                                                                                                        \
+      name##_either(tile, j, row, by, n, true, p, sum);                                                                \
+    else                                                                                                               \
+      name##_either(tile, j, row, by, n, false, p, sum);                                                               \
+  }                                                                                                                    \
+  SKF_F32_ADD(name)
+
 #define SKF_BATCH_STAGES(name, woven, one, two, three)                                                                 \
   SKF_F32_KEEP(name)                                                                                                   \
   SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, f32_factor by, size_t n,           \

@@ -92,6 +92,18 @@ static inline double *pack_parameter(double *k, const skf_prepared *e) {
   return pack1(pack1(pack1(pack1(k, param), param2), 1 / param), 1 / param2);
 }
 
+/* Gaussians h of squared distances w of which some are from `most` on, where vd_exp2_products is not accurate, but 0
+   from `zero` on: the lanes that are good in all */
+SKF_INLINE skf_vi vd_gaussian_far(skf_vd most, skf_vd zero, size_t n, const skf_vd *w, skf_vd *h) {
+  skf_vi good = vi_set(-1);
+  SKF_EACH(u, n) {
+    const skf_vi inside = w[u] < most;
+    h[u] = (skf_vd)((skf_vi)h[u] & inside);
+    good &= inside | ((w[u] > zero) & (w[u] < vd_set(INFINITY)));
+  }
+  return good;
+}
+
 enum { SKF_FLIGHT = 16 };
 #define SKF_ROLLED _Pragma("GCC unroll 1")
 
@@ -104,14 +116,45 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
 #define skf_again_none(row, x) ((skf_vvalue){.good = vi_set(0)})
 
 /* A form that is one function. */
-#define SKF_BATCH_FORM(name, row_name, again) SKF_BATCH_FORM_OF(name, row_name, again, false)
-/* Another whose row has the strength in it, `inner`: that saves products */
-#define SKF_BATCH_POINT(name, row_name, again) SKF_BATCH_FORM_OF(name, row_name, again, true)
-
-#define SKF_BATCH_FORM_OF(name, row_name, again, inner)                                                                \
+#define SKF_BATCH_FORM(name, row_name, again)                                                                          \
   SKF_INLINE skf_vvalue name##_value(const row_name##_row *row, skf_v3d x) { return name(row, x); }                    \
-  SKF_BATCH_COMMON(name, row_name, again, inner)                                                                       \
-  SKF_BATCH_PAIRS(name, inner)
+  SKF_BATCH_COMMON(name, row_name, again, false)                                                                       \
+  SKF_BATCH_PAIRS(name, false)
+
+/* A form that depends on one measure of x alone, the strength in the row. WAY says which: `point`, the squared distance
+   w from row->at, whence the gradient is along at - x; another has
+     int WAY_mode(const ROW_row *)                      for a row in all lanes: SKF_PLAIN, or SKF_CAREFUL
+     void WAY_measure(const ROW_row *, int mode, size_t n, const skf_v3d *x, skf_vd *w)     SKF_MIXED: lane by lane
+     WAY_along(row, k, q)                               component k of the gradient's direction, q pointing at x.k
+   and the form, of up to four vectors, stage after stage,
+     skf_vi NAME_of(const ROW_row *, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope)
+   which sets F and the factor of that direction and returns the lanes good in all. */
+#define SKF_BATCH_MEASURED(name, row_name, way, again)                                                                 \
+  SKF_INLINE skf_vvalue name##_value(const row_name##_row *row, skf_v3d x) {                                           \
+    skf_vd w, F, slope;                                                                                                \
+    way##_measure(row, SKF_MIXED, 1, &x, &w);                                                                          \
+    const skf_vi good = name##_of(row, 1, &w, &F, &slope);                                                             \
+    const skf_v3d along = {way##_along(row, x, &x.x), way##_along(row, y, &x.y), way##_along(row, z, &x.z)};           \
+    return (skf_vvalue){F, vd3_scale(slope, along), good};                                                             \
+  }                                                                                                                    \
+  SKF_BATCH_COMMON(name, row_name, again, true)                                                                        \
+  SKF_BATCH_FOURS(name, way)
+
+SKF_INLINE skf_vd vd_there(const void *p) {
+  skf_vd v;
+  memcpy(&v, p, sizeof v);
+  return v;
+}
+enum { SKF_MIXED, SKF_PLAIN, SKF_CAREFUL };
+#define point_mode(row)                   SKF_PLAIN
+#define point_measure(row, mode, n, x, w) ((void)(mode), squares_from((row)->at, n, x, w))
+#define point_along(row, k, q)            ((row)->at.k - vd_there(q))
+SKF_INLINE void squares_from(skf_v3d at, size_t n, const skf_v3d *x, skf_vd *w) {
+  skf_vd d[4];
+  SKF_EACH(u, n) d[u] = at.x - x[u].x, w[u] = d[u] * d[u];
+  SKF_EACH(u, n) d[u] = at.y - x[u].y, w[u] = vd_fma(d[u], d[u], w[u]);
+  SKF_EACH(u, n) d[u] = at.z - x[u].z, w[u] = vd_fma(d[u], d[u], w[u]);
+}
 
 /* A form in stages, SKF_FLIGHT vectors in each before the next: NAME_begin, three, NAME_end. */
 #define SKF_BATCH_STAGED(name, row_name, again, one, two, three)                                                       \
@@ -421,6 +464,82 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     size_t i = 0;                                                                                                      \
     for (; i + 2 * SKF_LANES <= n; i += 2 * SKF_LANES) name##_add_step(tile, in, i, 2, sum, first);                    \
     for (; i < n; i += SKF_LANES) name##_add_step(tile, in, i, 1, sum, first);                                         \
+  }
+
+SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? vd_load(to) + v : v); }
+
+/* Four vectors at once */
+#define SKF_BATCH_FOURS(name, way)                                                                                     \
+  /* n vectors from i on, each by itself, with care where it needs it */                                               \
+  static __attribute__((noinline)) void name##_apart(                                                                  \
+      const skf_tile *tile, size_t j, size_t n, const double *const p[3], size_t i, double *const out[4], bool more) { \
+    name##_row row;                                                                                                    \
+    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+    for (size_t end = i + n * SKF_LANES; i < end; i += SKF_LANES) {                                                    \
+      const skf_v3d x = points_load(p, i);                                                                             \
+      skf_vvalue v = name##_value(&row, x);                                                                            \
+      if (!vi_all(v.good)) {                                                                                           \
+        const skf_vvalue w = name##_again(&row, x);                                                                    \
+        v.F = vd_select(v.good, v.F, w.F);                                                                             \
+        v.g = vd3_select(v.good, v.g, w.g);                                                                            \
+        v.good |= w.good;                                                                                              \
+        lanes_closed(tile->element + j, 0, true, &x, &v);                                                              \
+      }                                                                                                                \
+      if (more)                                                                                                        \
+        vv_add(vd_set(1), &v, out, i);                                                                                 \
+      else                                                                                                             \
+        vv_put(&v, out, i);                                                                                            \
+    }                                                                                                                  \
+  }                                                                                                                    \
+  SKF_INLINE void name##_some(const skf_tile *tile, size_t j, const name##_row *row, int mode, size_t n,               \
+                              const double *const p[3], size_t i, double *const out[4], bool more) {                   \
+    skf_v3d x[4];                                                                                                      \
+    skf_vd w[4], F[4], slope[4];                                                                                       \
+    SKF_EACH(u, n) x[u] = points_load(p, i + u * SKF_LANES);                                                           \
+    way##_measure(row, mode, n, x, w);                                                                                 \
+    if (__builtin_expect(!vi_all(name##_of(row, n, w, F, slope)), 0)) {                                                \
+      name##_apart(tile, j, n, p, i, out, more);                                                                       \
+      return;                                                                                                          \
+    }                                                                                                                  \
+    SKF_EACH(u, n) vd_keep(F[u], out[0] + i + u * SKF_LANES, more);                                                    \
+    SKF_EACH(u, n)                                                                                                     \
+    vd_keep(slope[u] * way##_along(row, x, p[0] + i + u * SKF_LANES), out[1] + i + u * SKF_LANES, more);               \
+    SKF_EACH(u, n)                                                                                                     \
+    vd_keep(slope[u] * way##_along(row, y, p[1] + i + u * SKF_LANES), out[2] + i + u * SKF_LANES, more);               \
+    SKF_EACH(u, n)                                                                                                     \
+    vd_keep(slope[u] * way##_along(row, z, p[2] + i + u * SKF_LANES), out[3] + i + u * SKF_LANES, more);               \
+  }                                                                                                                    \
+  /* element j at all points; out is set, or added to */                                                               \
+  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, size_t n, const double *const p[3], double *const out[4], \
+                             bool more) {                                                                              \
+    double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
+    const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
+    size_t i = 0;                                                                                                      \
+    name##_row row;                                                                                                    \
+    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+    const int mode = way##_mode(&row);                                                                                 \
+    if (mode == SKF_PLAIN)                                                                                             \
+      for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, &row, SKF_PLAIN, 4, in, i, to, more);    \
+    else                                                                                                               \
+      for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, &row, SKF_CAREFUL, 4, in, i, to, more);  \
+    for (; i < n; i += SKF_LANES) name##_some(tile, j, &row, SKF_MIXED, 1, in, i, to, more);                           \
+  }                                                                                                                    \
+  static __attribute__((noinline)) void name##_one(const skf_tile *tile, size_t n, const double *const p[3],           \
+                                                   double *const out[4]) {                                             \
+    name##_all(tile, 0, n, p, out, false);                                                                             \
+  }                                                                                                                    \
+  static __attribute__((noinline)) void name##_more(const skf_tile *tile, size_t j, size_t n,                          \
+                                                    const double *const p[3], double *const out[4]) {                  \
+    name##_all(tile, j, n, p, out, true);                                                                              \
+  }                                                                                                                    \
+  static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
+    double all[4][SKF_BATCH], *const out[4] = {all[0], all[1], all[2], all[3]};                                        \
+    name##_one(tile, n, p, out);                                                                                       \
+    for (size_t j = 1; j < tile->count; j++) name##_more(tile, j, n, p, out);                                          \
+    for (size_t i = 0; i < n; i += SKF_LANES) {                                                                        \
+      const skf_vvalue v = {vd_load(all[0] + i), {vd_load(all[1] + i), vd_load(all[2] + i), vd_load(all[3] + i)}};     \
+      sum_add(sum, i, &v, first);                                                                                      \
+    }                                                                                                                  \
   }
 
 /* Stage after stage, for many vectors each: their chains of operations are short enough to overlap, and what is between

@@ -1,86 +1,138 @@
 /* SPDX-License-Identifier: MIT */
-/* Vector forms: the kernels over a plane, as in each kernel's file. */
+/* Vector forms: the kernels over a plane, as in each kernel's file: functions of the height z over it. */
 #ifndef SKF_FIELD_BATCH_PLANE_H
 #define SKF_FIELD_BATCH_PLANE_H
 
 #include "field/batch_loop.h"
 
+/* aligned: 1 where the normal is along an axis, else 0; s or R, its square, 1 / both; the strength times pi s^-2 or
+   pi R^2, and times -2 pi */
 typedef struct plane_row {
   skf_v3d through, raw, unit;
-  skf_vd per_length, param, param2, per_param, per_param2; /* s or R, its square, 1 / both */
+  skf_vd aligned, per_length, param, param2, per_param, per_param2, exponent, most, zero, F, slope;
 } plane_row;
 
 static double *plane_pack(const skf_prepared *e, double *k) {
   const skf_plane_plan *p = &e->plan.plane;
+  const double aa = e->kernel.param * e->kernel.param, pi = SKF_PI * e->strength;
   k = pack3(pack3(pack3(k, e->primitive.plane.through), p->raw), p->unit);
-  return pack_parameter(pack1(k, 1 / p->length), e);
+  k = pack1(k, (p->raw.x != 0) + (p->raw.y != 0) + (p->raw.z != 0) == 1);
+  k = pack_parameter(pack1(k, 1 / p->length), e);
+  k = pack1(pack1(pack_exponent(k, e->kernel.param), VD_EXP_MAX / aa), VD_EXP_ZERO / aa);
+  return pack1(pack1(k, skf_kernel_get(e->kernel.type)->compact ? pi * aa : pi / aa), -2 * pi);
 }
 
-/* Signed height over the plane to a few ulps, however far x is from the plane's point. */
-SKF_INLINE skf_vd plane_height(const plane_row *c, skf_v3d x) {
-  skf_v3d d = vd3_sub(x, c->through), lo = vd3_lost(x, c->through, d), n = c->raw;
-  skf_vd px = d.x * n.x, py = d.y * n.y, pz = d.z * n.z, s = px + py, t = s + pz;
+/* raw . (x - through), where that is one product */
+SKF_INLINE void plane_plain(const plane_row *c, size_t n, const skf_v3d *x, skf_vd *t) {
+  SKF_EACH(u, n) t[u] = (x[u].x - c->through.x) * c->raw.x;
+  SKF_EACH(u, n) t[u] = vd_fma(x[u].y - c->through.y, c->raw.y, t[u]);
+  SKF_EACH(u, n) t[u] = vd_fma(x[u].z - c->through.z, c->raw.z, t[u]);
+}
+
+/* The same as if in twice the digits */
+SKF_INLINE skf_vd plane_careful(const plane_row *c, skf_v3d x) {
+  const skf_v3d d = vd3_sub(x, c->through), lo = vd3_lost(x, c->through, d), n = c->raw;
+  const skf_vd px = d.x * n.x, py = d.y * n.y, pz = d.z * n.z, s = px + py, t = s + pz;
   skf_vd low = vd_lost(px, -py, s) + vd_lost(s, -pz, t) + vd3_dot(lo, n);
   low += vd_fms(d.x, n.x, px) + vd_fms(d.y, n.y, py) + vd_fms(d.z, n.z, pz);
-  return (t + low) * c->per_length;
+  return t + low;
 }
 
-/* From F and h; the slope is -2 pi z h. */
-SKF_INLINE skf_vvalue plane_result(const plane_row *c, skf_vd z, skf_vd F, skf_vd h, skf_vi good) {
-  return (skf_vvalue){F, vd3_scale(vd_set(-2 * SKF_PI) * z * h, c->unit), good & (z - z == vd_set(0))};
+/* Signed height to a few ulps, however far x is from the plane's point. In floats this is what rounding x does. */
+SKF_INLINE skf_vi plane_aligned(const plane_row *c) { return c->aligned > vd_set(SKF_PICK(0.5, -1)); }
+SKF_INLINE void plane_measure(const plane_row *c, int mode, size_t n, const skf_v3d *x, skf_vd *z) {
+  const skf_vi aligned = plane_aligned(c);
+  if (mode != SKF_CAREFUL) plane_plain(c, n, x, z);
+  if (mode == SKF_CAREFUL) { SKF_EACH(u, n) z[u] = plane_careful(c, x[u]); }
+  if (mode == SKF_MIXED && !vi_all(aligned)) { SKF_EACH(u, n) z[u] = vd_select(aligned, z[u], plane_careful(c, x[u])); }
+  SKF_EACH(u, n) z[u] *= c->per_length;
+}
+#define plane_mode(row)        (vi_all(plane_aligned(row)) ? SKF_PLAIN : SKF_CAREFUL)
+#define plane_along(row, k, q) ((row)->unit.k)
+
+SKF_INLINE skf_vi plane_finite(size_t n, const skf_vd *z) {
+  skf_vi good = vi_set(-1);
+  SKF_EACH(u, n) good &= z[u] - z[u] == vd_set(0);
+  return good;
 }
 
-SKF_INLINE skf_vvalue cauchy_plane(const plane_row *c, skf_v3d x) {
-  skf_vd z = plane_height(c, x), W = vd_fma(c->param2, z * z, vd_set(1)), q = vd_set(1) / W;
-  return plane_result(c, z, vd_set(SKF_PI) * c->per_param2 * q, q * q, vd_sane(W));
+/* slope = -2 pi z h */
+SKF_INLINE skf_vi cauchy_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {
+  skf_vi good = vi_set(-1);
+  skf_vd q[4];
+  SKF_EACH(u, n) q[u] = vd_fma(c->param2, z[u] * z[u], vd_set(1));
+  SKF_EACH(u, n) good &= q[u] < vd_set(SKF_PICK(1e140, 1e18));
+  SKF_EACH(u, n) q[u] = vd_set(1) / q[u];
+  SKF_EACH(u, n) F[u] = c->F * q[u];
+  SKF_EACH(u, n) slope[u] = c->slope * z[u] * (q[u] * q[u]);
+  return good;
 }
 
-SKF_INLINE skf_vvalue gaussian_plane(const plane_row *c, skf_v3d x) {
-  skf_vd z = plane_height(c, x), y = c->param2 * z * z, most = vd_set(VD_EXP_MAX);
-  skf_vi inside = y<most, beyond = y> vd_set(VD_EXP_ZERO);
-  skf_vd h = (skf_vd)((skf_vi)vd_exp(-vd_min(y, most)) & inside);
-  return plane_result(c, z, vd_set(SKF_PI) * c->per_param2 * h, h, inside | beyond);
+SKF_INLINE skf_vi gaussian_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {
+  skf_vi good = vi_set(-1);
+  skf_vd w[4], h[4];
+  SKF_EACH(u, n) w[u] = z[u] * z[u];
+  SKF_EACH(u, n) good &= w[u] < c->most;
+  vd_exp2_products(c->exponent, n, w, h);
+  if (__builtin_expect(!vi_all(good), 0)) good = vd_gaussian_far(c->most, c->zero, n, w, h);
+  SKF_EACH(u, n) F[u] = c->F * h[u];
+  SKF_EACH(u, n) slope[u] = c->slope * z[u] * h[u];
+  return good;
 }
 
-SKF_INLINE skf_vvalue inverse_plane(const plane_row *c, skf_v3d x) {
-  skf_vd z = plane_height(c, x), sign = vd_select(z > vd_set(0), vd_set(1), vd_select(z < vd_set(0), vd_set(-1), z));
-  return plane_result(c, sign, vd_set(-2 * SKF_PI) * vd_abs(z), vd_set(1), z - z == vd_set(0));
+SKF_INLINE skf_vi inverse_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {
+  const skf_vd zero = vd_set(0);
+  SKF_EACH(u, n) F[u] = c->slope * vd_abs(z[u]);
+  SKF_EACH(u, n) slope[u] = vd_select(z[u] == zero, zero, (skf_vd)((skf_vi)c->slope ^ vd_sign(z[u])));
+  return plane_finite(n, z);
 }
 
-SKF_INLINE skf_vvalue inverse_squared_plane(const plane_row *c, skf_v3d x) {
-  skf_vd z = plane_height(c, x), a = vd_abs(z), one = vd_set(1), n = vd_max(a, one), d = vd_min(a, one);
-  skf_vd log = vd_log_ratio(n, d, n - d), F = vd_set(2 * SKF_PI) * vd_select(a > one, -log, log);
-  return plane_result(c, one / z, F, one, vd_sane(z));
+SKF_INLINE skf_vi inverse_squared_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {
+  skf_vi good = vi_set(-1);
+  skf_vlog l[4];
+  SKF_EACH(u, n) good &= vd_sane(z[u]);
+  SKF_EACH(u, n) l[u] = vd_log_one(vd_abs(z[u]));
+  SKF_EACH(u, n) l[u].top = l[u].top / l[u].bottom;
+  SKF_EACH(u, n) slope[u] = c->slope / z[u];
+  SKF_EACH(u, n) F[u] = c->slope * vd_log_series(l[u].count, l[u].top);
+  return good;
 }
 
-SKF_INLINE skf_vvalue metaball_plane(const plane_row *c, skf_v3d x) {
-  skf_vd z = plane_height(c, x), a = vd_abs(z), R = c->param, m = vd_max(R - a, vd_set(0)) * c->per_param;
-  skf_vd one = vd_set(1), u = a * a * c->per_param2, three = vd_set(3);
-  skf_vi core = three * a <= R;
-  skf_vd inner = vd_fnma(u, vd_fnma(vd_set(1.5), u, one), vd_set(13. / 54)), outer = m * m * m;
-  skf_vd F = vd_select(core, inner, outer * vd_fnma(vd_set(0.75), m, one));
-  skf_vd h = vd_select(core, vd_fnma(three, u, one), vd_set(1.5) * m * m);
-  return plane_result(c, z, vd_set(SKF_PI) * c->param2 * F, h, vi_set(-1));
+SKF_INLINE skf_vi metaball_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {
+  const skf_vd one = vd_set(1), three = vd_set(3), R = c->param;
+  SKF_EACH(u, n) {
+    const skf_vd a = vd_abs(z[u]), m = vd_max(R - a, vd_set(0)) * c->per_param, s = a * a * c->per_param2;
+    const skf_vi core = three * a <= R;
+    const skf_vd inner = vd_fnma(s, vd_fnma(vd_set(1.5), s, one), vd_set(13. / 54)), outer = m * m * m;
+    F[u] = c->F * vd_select(core, inner, outer * vd_fnma(vd_set(0.75), m, one));
+    slope[u] = c->slope * z[u] * vd_select(core, vd_fnma(three, s, one), vd_set(1.5) * m * m);
+  }
+  return plane_finite(n, z);
 }
 
 /* m^2 (c2 + c3 m), m = 1 - r^2 / R^2 */
-SKF_INLINE skf_vvalue polynomial_plane(const plane_row *c, skf_v3d x, double c2, double c3) {
-  skf_vd z = plane_height(c, x), R = c->param, q = (R - z) * (R + z), m = vd_max(q, vd_set(0)) * c->per_param2;
-  skf_vd mm = m * m, F = mm * m * vd_fma(vd_set(c3 / 4), m, vd_set(c2 / 3));
-  return plane_result(c, z, vd_set(SKF_PI) * c->param2 * F, mm * vd_fma(vd_set(c3), m, vd_set(c2)), vi_set(-1));
+SKF_INLINE skf_vi polynomial_plane(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope, double c2,
+                                   double c3) {
+  skf_vd m[4];
+  SKF_EACH(u, n) m[u] = vd_max((c->param - z[u]) * (c->param + z[u]), vd_set(0)) * c->per_param2;
+  SKF_EACH(u, n) F[u] = c->F * (m[u] * m[u] * m[u] * vd_fma(vd_set(c3 / 4), m[u], vd_set(c2 / 3)));
+  SKF_EACH(u, n) slope[u] = c->slope * z[u] * (m[u] * m[u] * vd_fma(vd_set(c3), m[u], vd_set(c2)));
+  return plane_finite(n, z);
 }
 
-SKF_INLINE skf_vvalue quartic_plane(const plane_row *c, skf_v3d x) { return polynomial_plane(c, x, 1, 0); }
-SKF_INLINE skf_vvalue soft_object_plane(const plane_row *c, skf_v3d x) {
-  return polynomial_plane(c, x, 5. / 9, 4. / 9);
+SKF_INLINE skf_vi quartic_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {
+  return polynomial_plane(c, n, z, F, slope, 1, 0);
+}
+SKF_INLINE skf_vi soft_object_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {
+  return polynomial_plane(c, n, z, F, slope, 5. / 9, 4. / 9);
 }
 
-SKF_BATCH_FORM(cauchy_plane, plane, skf_again_none)
-SKF_BATCH_FORM(gaussian_plane, plane, skf_again_none)
-SKF_BATCH_FORM(inverse_plane, plane, skf_again_none)
-SKF_BATCH_FORM(inverse_squared_plane, plane, skf_again_none)
-SKF_BATCH_FORM(metaball_plane, plane, skf_again_none)
-SKF_BATCH_FORM(soft_object_plane, plane, skf_again_none)
-SKF_BATCH_FORM(quartic_plane, plane, skf_again_none)
+SKF_BATCH_MEASURED(cauchy_plane, plane, plane, skf_again_none)
+SKF_BATCH_MEASURED(gaussian_plane, plane, plane, skf_again_none)
+SKF_BATCH_MEASURED(inverse_plane, plane, plane, skf_again_none)
+SKF_BATCH_MEASURED(inverse_squared_plane, plane, plane, skf_again_none)
+SKF_BATCH_MEASURED(metaball_plane, plane, plane, skf_again_none)
+SKF_BATCH_MEASURED(soft_object_plane, plane, plane, skf_again_none)
+SKF_BATCH_MEASURED(quartic_plane, plane, plane, skf_again_none)
 
 #endif

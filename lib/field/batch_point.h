@@ -17,28 +17,36 @@ static double *point_pack(const skf_prepared *e, double *k) {
   return pack1(pack1(k, strength), skf_kernel_get(e->kernel.type)->compact ? strength / param2 : strength * param2);
 }
 
-/* From d = at - x (the other way round takes a load more) and w = |d|^2, h and twice its derivative by w, the strength
-   in both, the sign of the latter changed. */
-SKF_INLINE skf_vvalue point_result(skf_v3d d, skf_vd h, skf_vd slope, skf_vi good) {
-  return (skf_vvalue){h, vd3_scale(slope, d), good};
+/* h and minus twice its derivative by w, both times the strength */
+SKF_INLINE skf_vi inverse_point_of(const point_row *c, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope) {
+  skf_vi good = vi_set(-1);
+  SKF_EACH(u, n) good &= vd_sane(w[u]);
+  SKF_EACH(u, n) slope[u] = vd_sqrt(w[u]);
+  SKF_EACH(u, n) slope[u] = vd_set(1) / slope[u];
+  SKF_EACH(u, n) F[u] = c->strength * slope[u];
+  SKF_EACH(u, n) slope[u] = (slope[u] * slope[u]) * F[u];
+  return good;
 }
 
-SKF_INLINE skf_vvalue inverse_point(const point_row *c, skf_v3d x) {
-  skf_v3d d = vd3_sub(c->at, x);
-  skf_vd w = vd3_dot(d, d), h = vd_set(1) / vd_sqrt(w), F = c->strength * h;
-  return point_result(d, F, (h * h) * F, vd_sane(w));
+SKF_INLINE skf_vi inverse_squared_point_of(const point_row *c, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope) {
+  skf_vi good = vi_set(-1);
+  SKF_EACH(u, n) good &= vd_sane(w[u]);
+  SKF_EACH(u, n) slope[u] = vd_set(1) / w[u];
+  SKF_EACH(u, n) F[u] = c->strength * slope[u];
+  SKF_EACH(u, n) slope[u] = (slope[u] + slope[u]) * F[u];
+  return good;
 }
 
-SKF_INLINE skf_vvalue inverse_squared_point(const point_row *c, skf_v3d x) {
-  skf_v3d d = vd3_sub(c->at, x);
-  skf_vd w = vd3_dot(d, d), h = vd_set(1) / w, F = c->strength * h;
-  return point_result(d, F, (h + h) * F, vd_sane(w));
-}
-
-SKF_INLINE skf_vvalue cauchy_point(const point_row *c, skf_v3d x) {
-  skf_v3d d = vd3_sub(c->at, x);
-  skf_vd w = vd3_dot(d, d), y = vd_fma(c->param2, w, vd_set(1)), q = vd_set(1) / y, h = q * q;
-  return point_result(d, c->strength * h, (vd_set(4) * c->slope * q) * h, y < vd_set(SKF_PICK(1e70, 1e12)));
+SKF_INLINE skf_vi cauchy_point_of(const point_row *c, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope) {
+  skf_vi good = vi_set(-1);
+  skf_vd h[4];
+  SKF_EACH(u, n) slope[u] = vd_fma(c->param2, w[u], vd_set(1));
+  SKF_EACH(u, n) good &= slope[u] < vd_set(SKF_PICK(1e70, 1e12));
+  SKF_EACH(u, n) slope[u] = vd_set(1) / slope[u];
+  SKF_EACH(u, n) h[u] = slope[u] * slope[u];
+  SKF_EACH(u, n) F[u] = c->strength * h[u];
+  SKF_EACH(u, n) slope[u] = (vd_set(4) * c->slope * slope[u]) * h[u];
+  return good;
 }
 
 /* exp(-a^2 w) = 2^(exponent w); from `most` on it is not accurate, from `zero` on 0. */
@@ -54,12 +62,14 @@ static double *gaussian_pack(const skf_prepared *e, double *k) {
   return pack1(pack1(k, e->strength), 2 * aa * e->strength);
 }
 
-SKF_INLINE skf_vvalue gaussian_point(const gaussian_row *c, skf_v3d x) {
-  skf_v3d d = vd3_sub(c->at, x);
-  skf_vd w = vd3_dot(d, d);
-  skf_vi inside = w < c->most, beyond = (w > c->zero) & (w < vd_set(INFINITY));
-  skf_vd h = (skf_vd)((skf_vi)vd_exp2_product(c->exponent, w) & inside);
-  return point_result(d, c->strength * h, c->slope * h, inside | beyond);
+SKF_INLINE skf_vi gaussian_point_of(const gaussian_row *c, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope) {
+  skf_vi good = vi_set(-1);
+  SKF_EACH(u, n) good &= w[u] < c->most;
+  vd_exp2_products(c->exponent, n, w, slope);
+  if (__builtin_expect(!vi_all(good), 0)) good = vd_gaussian_far(c->most, c->zero, n, w, slope);
+  SKF_EACH(u, n) F[u] = c->strength * slope[u];
+  SKF_EACH(u, n) slope[u] = c->slope * slope[u];
+  return good;
 }
 
 /* R^2 - |d|^2. Next to the rim the plain difference loses R^2 / q; there d and the squares are taken exactly, but for
@@ -77,15 +87,6 @@ SKF_INLINE skf_vd point_power(const point_row *c, skf_v3d x, skf_v3d d, skf_vd w
   return vd_select(rim, last + low, q);
 }
 
-/* h = m^2, or m^2 (5 + 4 m) / 9; m = q / R^2, and 0 beyond R */
-SKF_INLINE skf_vvalue quartic_of(const point_row *c, skf_v3d d, skf_vd m, skf_vi good) {
-  return point_result(d, c->strength * m * m, vd_set(4) * c->slope * m, good);
-}
-SKF_INLINE skf_vvalue soft_object_of(const point_row *c, skf_v3d d, skf_vd m, skf_vi good) {
-  skf_vd h = m * m * vd_fma(vd_set(4. / 9) * c->strength, m, vd_set(5. / 9) * c->strength);
-  return point_result(d, h, m * vd_fma(vd_set(8. / 3) * c->slope, m, vd_set(20. / 9) * c->slope), good);
-}
-
 /* Whether the plain difference, m times a power of two near 1, is far enough from 0: at 2^-10 it leaves some 5e-13 of
    h. In floats it always is. Without the sign this is a range of half the numbers: one bit after a subtraction. */
 SKF_INLINE skf_vi point_off_rim(skf_vd m) {
@@ -96,58 +97,76 @@ SKF_INLINE skf_vi point_off_rim(skf_vd m) {
 #endif
 }
 
-SKF_INLINE skf_vd point_plain(const point_row *c, skf_v3d d, skf_vi *good) {
-  skf_vd w = vd3_dot(d, d), m = vd_fnma(w, c->per_param2, vd_set(1));
-  *good = point_off_rim(m);
-  return vd_max(m, vd_set(0));
+/* h = m^2, or m^2 (5 + 4 m) / 9; m = q / R^2, and 0 beyond R */
+SKF_INLINE void quartic_from(const point_row *c, size_t n, const skf_vd *m, skf_vd *F, skf_vd *slope) {
+  SKF_EACH(u, n) F[u] = c->strength * m[u] * m[u];
+  SKF_EACH(u, n) slope[u] = vd_set(4) * c->slope * m[u];
 }
-SKF_INLINE skf_vd point_rim(const point_row *c, skf_v3d x, skf_v3d d, skf_vi *good) {
-  skf_vd w = vd3_dot(d, d);
-  *good = w < vd_set(INFINITY);
-  return vd_max(point_power(c, x, d, w), vd_set(0)) * c->per_param2;
+SKF_INLINE void soft_object_from(const point_row *c, size_t n, const skf_vd *m, skf_vd *F, skf_vd *slope) {
+  SKF_EACH(u, n)
+  F[u] = m[u] * m[u] * vd_fma(vd_set(4. / 9) * c->strength, m[u], vd_set(5. / 9) * c->strength);
+  SKF_EACH(u, n) slope[u] = m[u] * vd_fma(vd_set(8. / 3) * c->slope, m[u], vd_set(20. / 9) * c->slope);
+}
+
+SKF_INLINE skf_vi point_plain(const point_row *c, size_t n, const skf_vd *w, skf_vd *m) {
+  skf_vi good = vi_set(-1);
+  SKF_EACH(u, n) m[u] = vd_fnma(w[u], c->per_param2, vd_set(1));
+  SKF_EACH(u, n) good &= point_off_rim(m[u]);
+  SKF_EACH(u, n) m[u] = vd_max(m[u], vd_set(0));
+  return good;
 }
 
 #define POLYNOMIAL_POINT(name)                                                                                         \
-  SKF_INLINE skf_vvalue name##_point(const point_row *c, skf_v3d x) {                                                  \
-    skf_v3d d = vd3_sub(c->at, x);                                                                                     \
-    skf_vi good;                                                                                                       \
-    skf_vd m = point_plain(c, d, &good);                                                                               \
-    return name##_of(c, d, m, good);                                                                                   \
+  SKF_INLINE skf_vi name##_point_of(const point_row *c, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope) {         \
+    skf_vd m[4];                                                                                                       \
+    const skf_vi good = point_plain(c, n, w, m);                                                                       \
+    name##_from(c, n, m, F, slope);                                                                                    \
+    return good;                                                                                                       \
   }                                                                                                                    \
   SKF_INLINE skf_vvalue name##_rim(const point_row *c, skf_v3d x) {                                                    \
-    skf_v3d d = vd3_sub(c->at, x);                                                                                     \
-    skf_vi good;                                                                                                       \
-    skf_vd m = point_rim(c, x, d, &good);                                                                              \
-    return name##_of(c, d, m, good);                                                                                   \
+    const skf_v3d d = vd3_sub(c->at, x);                                                                               \
+    const skf_vd w = vd3_dot(d, d), m = vd_max(point_power(c, x, d, w), vd_set(0)) * c->per_param2;                    \
+    skf_vd F, slope;                                                                                                   \
+    name##_from(c, 1, &m, &F, &slope);                                                                                 \
+    return (skf_vvalue){F, vd3_scale(slope, d), w < vd_set(INFINITY)};                                                 \
   }
 POLYNOMIAL_POINT(quartic)
 POLYNOMIAL_POINT(soft_object)
 
-SKF_INLINE skf_vvalue metaball_of(const point_row *c, skf_v3d d, skf_vd w, skf_vd power, skf_vi good) {
-  skf_vd R = c->param, R2 = c->param2, q = vd_max(power, vd_set(0)), r = vd_sqrt(w);
-  skf_vi core = vd_set(9) * w <= R2;
-  skf_vd per = c->per_param / vd_select(core, R2, r * (r + R)), m = q * r * per;
-  skf_vd h = vd_select(core, vd_fnma(vd_set(3) * c->per_param2, w, vd_set(1)), vd_set(1.5) * m * m);
-  skf_vd slope = vd_select(core, vd_set(6) * c->per_param2, vd_set(3) * c->per_param * q * per);
-  return point_result(d, c->strength * h, c->strength * slope, good & (w < vd_set(INFINITY)));
+SKF_INLINE void metaball_from(const point_row *c, size_t n, const skf_vd *w, const skf_vd *power, skf_vd *F,
+                              skf_vd *slope) {
+  const skf_vd R = c->param, R2 = c->param2;
+  SKF_EACH(u, n) {
+    const skf_vd q = vd_max(power[u], vd_set(0)), r = vd_sqrt(w[u]);
+    const skf_vi core = vd_set(9) * w[u] <= R2;
+    const skf_vd per = c->per_param / vd_select(core, R2, r * (r + R)), m = q * r * per;
+    const skf_vd h = vd_select(core, vd_fnma(vd_set(3) * c->per_param2, w[u], vd_set(1)), vd_set(1.5) * m * m);
+    F[u] = c->strength * h;
+    slope[u] = c->strength * vd_select(core, vd_set(6) * c->per_param2, vd_set(3) * c->per_param * q * per);
+  }
 }
-SKF_INLINE skf_vvalue metaball_point(const point_row *c, skf_v3d x) {
-  skf_v3d d = vd3_sub(c->at, x);
-  skf_vd w = vd3_dot(d, d), q = c->param2 - w;
-  return metaball_of(c, d, w, q, point_off_rim(q * c->per_param2));
+SKF_INLINE skf_vi metaball_point_of(const point_row *c, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope) {
+  skf_vi good = vi_set(-1);
+  skf_vd q[4];
+  SKF_EACH(u, n) q[u] = c->param2 - w[u];
+  SKF_EACH(u, n) good &= point_off_rim(q[u] * c->per_param2) & (w[u] < vd_set(INFINITY));
+  metaball_from(c, n, w, q, F, slope);
+  return good;
 }
 SKF_INLINE skf_vvalue metaball_rim(const point_row *c, skf_v3d x) {
-  skf_v3d d = vd3_sub(c->at, x);
-  skf_vd w = vd3_dot(d, d);
-  return metaball_of(c, d, w, point_power(c, x, d, w), vi_set(-1));
+  const skf_v3d d = vd3_sub(c->at, x);
+  const skf_vd w = vd3_dot(d, d), q = point_power(c, x, d, w);
+  skf_vd F, slope;
+  metaball_from(c, 1, &w, &q, &F, &slope);
+  return (skf_vvalue){F, vd3_scale(slope, d), w < vd_set(INFINITY)};
 }
 
-SKF_BATCH_POINT(inverse_point, point, skf_again_none)
-SKF_BATCH_POINT(inverse_squared_point, point, skf_again_none)
-SKF_BATCH_POINT(cauchy_point, point, skf_again_none)
-SKF_BATCH_POINT(gaussian_point, gaussian, skf_again_none)
-SKF_BATCH_POINT(quartic_point, point, quartic_rim)
-SKF_BATCH_POINT(soft_object_point, point, soft_object_rim)
-SKF_BATCH_POINT(metaball_point, point, metaball_rim)
+SKF_BATCH_MEASURED(inverse_point, point, point, skf_again_none)
+SKF_BATCH_MEASURED(inverse_squared_point, point, point, skf_again_none)
+SKF_BATCH_MEASURED(cauchy_point, point, point, skf_again_none)
+SKF_BATCH_MEASURED(gaussian_point, gaussian, point, skf_again_none)
+SKF_BATCH_MEASURED(quartic_point, point, point, quartic_rim)
+SKF_BATCH_MEASURED(soft_object_point, point, point, soft_object_rim)
+SKF_BATCH_MEASURED(metaball_point, point, point, metaball_rim)
 
 #endif
