@@ -166,13 +166,17 @@ static void calibrate(void) {
   cycle_ns = samples[SAMPLES / 10];
 }
 
-static skf_primitive unit(skf_shape shape, bool circle) {
+/* other: a full circle, a plane whose normal is along no axis */
+static skf_primitive unit(skf_shape shape, bool other) {
   skf_primitive s = {.shape = shape};
   switch (shape) {
   case SKF_SEGMENT: s.segment = (skf_segment){{-1, 0, 0}, {1, 0.1, 0}}; break;
-  case SKF_ARC: s.arc = (skf_arc){{0, 0, 0}, {0, 0, 1}, {cos(1), -sin(1), 0}, 1, circle ? 2 * SKF_PI : 2}; break;
+  case SKF_ARC: s.arc = (skf_arc){{0, 0, 0}, {0, 0, 1}, {cos(1), -sin(1), 0}, 1, other ? 2 * SKF_PI : 2}; break;
   case SKF_TRIANGLE: s.triangle = (skf_triangle){{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0.2}}}; break;
-  case SKF_PLANE: s.plane = (skf_plane){{0, 0, 0}, {0, 0, 1}}; break;
+  case SKF_PLANE:
+    s.plane = (skf_plane){{0, 0, 0}, {0, 0, 1}};
+    if (other) s.plane.normal = v3(0.48, 0.6, 0.64);
+    break;
   default: break;
   }
   return s;
@@ -325,11 +329,12 @@ static void table(int words, char **word) {
   printf("\n");
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
     for (int s = 0; s < SKF_SOLID; s++)
-      for (int circle = 0; circle <= (s == SKF_ARC); circle++) {
-        skf_element e[64] = {{unit((skf_shape)s, circle), {.type = (skf_kernel_type)k, .param = 1.5}, 1}};
+      for (int other = 0; other <= (s == SKF_ARC || s == SKF_PLANE); other++) {
+        skf_element e[64] = {{unit((skf_shape)s, other), {.type = (skf_kernel_type)k, .param = 1.5}, 1}};
         char many[32];
         const char *kernel = skf_kernel_get((skf_kernel_type)k)->name;
-        const char *shape = circle ? "circle" : skf_shape_get((skf_shape)s)->name;
+        const char *shape = skf_shape_get((skf_shape)s)->name;
+        if (other) shape = s == SKF_ARC ? "circle" : "tilted plane";
         if (!has_form(e)) continue;
         if (wanted(kernel, shape, words, word)) table_row(shape, e, 1);
         if (s != SKF_POINT && !(k == SKF_INVERSE && (s == SKF_SEGMENT || s == SKF_TRIANGLE))) continue;
