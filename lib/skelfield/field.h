@@ -194,13 +194,14 @@ SKF_API double skf_field_at(const skf_field *field, skf_vec3 p, skf_vec3 *g);
 SKF_API double skf_field_tensor_at(const skf_field *field, skf_vec3 p, skf_vec3 *g, double h[6]);
 
 /* n points in structure-of-arrays form. p[0..2]: x, y, z. F: n values. g: NULL or three arrays. h: NULL or six arrays
-   in the order above. Any output array may be NULL. Runs on OpenMP's current number of threads; the result does not
-   depend on it, nor on a point's neighbours. SKF_ERR_NOMEM only where fields have expansions (skf_field_new_with).
-   F and the gradient of most pairs are evaluated in vectors where the processor has AVX2 and FMA. They then differ from
-   skf_field_at by 20 units of 1.1e-16 (segments 60, arcs 200, triangles 1000) at most, relative to |F| and max(|g|, |F|
-   / distance), times how many times the field's own relative change exceeds the point's; in a field of several elements
-   relative to the sum of theirs, not more where they cancel. (Eight at a time are added plainly, these sums without
-   loss.) With SKELFIELD_ISA=scalar in the environment when the field is made they are the same bits. */
+   in the order above. Any output array may be NULL, none may overlap the points. Runs on OpenMP's current number of
+   threads; the result does not depend on it, nor on a point's neighbours. SKF_ERR_NOMEM only where fields have
+   expansions (skf_field_new_with). F and the gradient of most pairs are evaluated in vectors where the processor has
+   AVX2 and FMA. They then differ from skf_field_at by 20 units of 1.1e-16 (segments 60, arcs 200, triangles 1000) at
+   most, relative to |F| and max(|g|, |F| / distance), times how many times the field's own relative change exceeds the
+   point's; in a field of several elements relative to the sum of theirs, not more where they cancel. (Eight at a time
+   are added plainly, these sums without loss.) With SKELFIELD_ISA=scalar in the environment when the field is made they
+   are the same bits. */
 SKF_API skf_status skf_field_eval(const skf_field *field, size_t n, const double *const p[3], double *F,
                                   double *const g[3], double *const h[6]);
 
