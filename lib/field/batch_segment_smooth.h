@@ -179,7 +179,7 @@ SKF_INLINE void inverse_squared_segment_begin(const squared_span_row *c, skf_v3d
   s->w = w, s->t0 = t0, s->t1 = t1, s->h2 = h2, s->WW = WW;
   s->h = vd_sqrt(h2), s->inv = vd_set(1) / bottom;
   s->good = (bottom > vd_set(SKF_PICK(1e-140, 1e-18))) & (bottom < vd_set(SKF_PICK(1e140, 1e18))) &
-            (vd_set(SKF_PICK(101, 1e8)) * h2 > W0);
+            (vd_set(SKF_PICK(1601, 1e8)) * h2 > W0);
 }
 
 SKF_INLINE void inverse_squared_segment_middle(const squared_span_row *c, inverse_squared_segment_state *s) {
@@ -196,7 +196,8 @@ SKF_INLINE skf_vvalue inverse_squared_segment_end(const squared_span_row *c, con
   skf_vd per_h2 = s->inv * s->WW, L_WW = c->s.L * (s->inv * s->h2), F = s->t * (s->h * per_h2);
   skf_vd ends1 = vd_fnma(s->t0, s->t1, s->h2) * L_WW, both = F + ends1;
   skf_v3d g = vd3_mad(vd3_scale((s->t0 + s->t1) * L_WW, c->along), c->s.strength * per_h2 * both, s->w);
-  return (skf_vvalue){c->s.strength * F, g, s->good & (vd_fma(vd_set(SKF_PICK(0.125, 0.25)), ends1, both) > vd_set(0))};
+  return (skf_vvalue){c->s.strength * F, g,
+                      s->good & (vd_fma(vd_set(SKF_PICK(0.03125, 0.25)), ends1, both) > vd_set(0))};
 }
 
 SKF_BATCH_FORM(gaussian_segment_short, gaussian_span, skf_again_none)
