@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Vector forms: 1 / r along an arc, 1 / r^2 along an arc or a circle, Gaussians along a circle. */
+/* Vector forms: 1 / r along an arc, 1 / r^2 and Gaussians along a circle. */
 #ifndef SKF_FIELD_BATCH_ARC_SMOOTH_H
 #define SKF_FIELD_BATCH_ARC_SMOOTH_H
 
@@ -132,38 +132,6 @@ SKF_INLINE skf_vvalue squared_gather(const arc_row *c, const arc_view *f, skf_vd
   return arc_finish(c, f, K * delta, G * f->beta * c2, G * f->alpha * s2, ends, good);
 }
 
-typedef open_arc_row squared_arc_row;
-static double *squared_arc_pack(const skf_prepared *e, double *k) { return open_arc_pack_by(e, 1, k); }
-
-SKF_INLINE skf_vvalue inverse_squared_arc_close(const squared_arc_row *row, skf_v3d x) {
-  const arc_row *c = &row->at;
-  arc_view f = arc_see(c, x);
-  skf_vd DD = f.alpha * f.beta, D = vd_sqrt(DD), W_sum, sin_mid;
-  span_view a = arc_span(c, &f, f.alpha, f.beta, D, &W_sum, &sin_mid);
-  skf_vd ends = vd_set(4) * (c->rho * c->rho) * (c->S * sin_mid) * (a.per_N * a.per_N);
-  return vv_scale(c->strength, squared_gather(c, &f, vd_set(1) / D, a.delta, span_second(&a, a.c), span_second(&a, a.s),
-                                              ends, a.good & vd_sane(DD * D)));
-}
-
-/* As for Cauchy's kernel with W = r^2: I1 is F, and int 2 rho k cos(phi - azimuth) / W^2 = a I2 - I1, written without
-   its cancellation. */
-typedef open_arc_state inverse_squared_arc_state;
-
-SKF_INLINE void inverse_squared_arc_begin(const squared_arc_row *c, skf_v3d x, open_arc_state *s) {
-  open_arc_begin(c, x, 0, s);
-}
-
-SKF_INLINE skf_vvalue inverse_squared_arc_end(const squared_arc_row *c, const open_arc_state *s) {
-  skf_vd p = s->p, t = s->t, a = s->a, per_W = s->per_WW, I1 = s->delta;
-  skf_vd tS = c->twice_S * t, tC = c->twice_C * t, g = vd_fnma(c->twice_C, p, a);
-  skf_vd ends = vd_fms(c->twice_S * p, g, tC * tS) * per_W, first = a * I1, both = first + ends;
-  skf_vd I2 = c->g2 * (both * s->per_D2), G = c->g * s->per_k2, E = G * (tS * per_W);
-  skf_vd R = vd_fnma(G * s->per_D2, vd_fma(a, ends, c->twice2 * s->k2 * I1), I2);
-  skf_v3d v = vd3_scale(vd_fms(R, p, E * t), c->m);
-  v = vd3_mad(vd3_mad(v, vd_fma(R, t, E * p), c->t), s->z * I2, c->n);
-  return (skf_vvalue){c->F * I1, v, s->good & (vd_set(16) * both > first)};
-}
-
 SKF_INLINE skf_vvalue inverse_squared_circle(const arc_row *c, skf_v3d x) {
   arc_view f = circle_see(c, x);
   skf_vd DD = f.alpha * f.beta, D = vd_sqrt(DD), half = vd_set(SKF_PI / 2);
@@ -193,8 +161,6 @@ SKF_INLINE skf_vvalue gaussian_circle(const arc_row *c, skf_v3d x) {
 }
 
 SKF_BATCH_STAGED(inverse_arc, arc, inverse_arc_slow, inverse_arc_ends, inverse_arc_arguments, inverse_arc_duplications)
-SKF_BATCH_CROSSED(inverse_squared_arc, squared_arc, inverse_squared_arc_close, open_arc_turn, open_arc_middle,
-                  open_arc_series)
 SKF_BATCH_FORM(inverse_squared_circle, arc, skf_again_none)
 SKF_BATCH_FORM(gaussian_circle, arc, skf_again_none)
 

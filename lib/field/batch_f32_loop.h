@@ -137,7 +137,7 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
   }                                                                                                                    \
   SKF_F32_ADD(name)
 
-#define SKF_BATCH_STAGES(name, woven, one, two, three)                                                                 \
+#define SKF_BATCH_STAGES(name, woven, look, one, two, three, gather)                                                   \
   SKF_F32_KEEP(name)                                                                                                   \
   SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, f32_factor by, size_t n,           \
                              const float *const p[3], float *const sum[4]) {                                           \
@@ -145,9 +145,11 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
     for (size_t i = 0, m; i < n; i += m * SKF_LANES) {                                                                 \
       m = n - i < SKF_FLIGHT * SKF_LANES ? (n - i) / SKF_LANES : SKF_FLIGHT;                                           \
       SKF_ROLLED for (size_t u = 0; u < m; u++) name##_begin(row, points_load(p, i + u * SKF_LANES), s + u);           \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) look(row, s + u);                                                      \
       SKF_ROLLED for (size_t u = 0; u < m; u++) one(row, s + u);                                                       \
       SKF_ROLLED for (size_t u = 0; u < m; u++) two(row, s + u);                                                       \
       SKF_ROLLED for (size_t u = 0; u < m; u++) three(row, s + u);                                                     \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) gather(row, s + u);                                                    \
       SKF_ROLLED for (size_t u = 0; u < m; u++)                                                                        \
           name##_keep(tile, j, p, i + u * SKF_LANES, by, name##_end(row, s + u), sum);                                 \
     }                                                                                                                  \

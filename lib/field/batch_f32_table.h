@@ -4,6 +4,7 @@
 #define SKF_FIELD_BATCH_F32_TABLE_H
 
 #include "field/batch_arc.h"
+#include "field/batch_arc_open.h"
 #include "field/batch_arc_smooth.h"
 #include "field/batch_circle.h"
 #include "field/batch_plane.h"

@@ -76,6 +76,23 @@ SKF_INLINE skf_v3d vd3_lost(skf_v3d a, skf_v3d b, skf_v3d s) {
   return (skf_v3d){vd_lost(a.x, b.x, s.x), vd_lost(a.y, b.y, s.y), vd_lost(a.z, b.z, s.z)};
 }
 
+/* R^2 - |d|^2 to an ulp or two of itself, d = x - at rounded. */
+SKF_INLINE skf_vd power_exact(skf_vd R, skf_v3d x, skf_v3d at, skf_v3d d) {
+  skf_v3d lo = vd3_lost(x, at, d);
+  skf_vd R2 = R * R, pz = d.z * d.z, py = d.y * d.y, px = d.x * d.x, s = R2 - px, t = s - py, last = t - pz;
+  skf_vd low = vd_fms(R, R, R2) + (vd_lost(R2, px, s) + vd_lost(s, py, t) + vd_lost(t, pz, last));
+  low -= vd_fms(d.x, d.x, px) + vd_fms(d.y, d.y, py) + vd_fms(d.z, d.z, pz);
+  return last + vd_fnma(vd_set(2), vd3_dot(d, lo), low);
+}
+
+/* (d + lo) b, |lo| < |d| ulp, to an ulp or two of itself */
+SKF_INLINE skf_vd vd3_dot_exact(skf_v3d d, skf_v3d lo, skf_v3d b) {
+  skf_vd px = d.x * b.x, py = d.y * b.y, pz = d.z * b.z, s = px + py, sum = s + pz;
+  skf_vd low = vd_fms(d.x, b.x, px) + vd_fms(d.y, b.y, py) + vd_fms(d.z, b.z, pz);
+  low += vd_lost(px, -py, s) + vd_lost(s, -pz, sum);
+  return sum + (low + vd3_dot(lo, b));
+}
+
 SKF_INLINE skf_vvalue vv_scale(skf_vd s, skf_vvalue v) { return (skf_vvalue){s * v.F, vd3_scale(s, v.g), v.good}; }
 
 /* For NAME_pack */
@@ -158,33 +175,38 @@ SKF_INLINE void squares_from(skf_v3d at, size_t n, const skf_v3d *x, skf_vd *w) 
 
 /* A form in stages, SKF_FLIGHT vectors in each before the next: NAME_begin, three, NAME_end. */
 #define SKF_BATCH_STAGED(name, row_name, again, one, two, three)                                                       \
-  SKF_BATCH_STAGES_OF(name, row_name, again, false, SKF_APART, one, two, three)
+  SKF_BATCH_STAGES_OF(name, row_name, again, false, SKF_APART, skf_stage_none, one, two, three, skf_stage_none)
 /* The same, the strength in the row */
 #define SKF_BATCH_SCALED(name, row_name, again, one, two, three)                                                       \
-  SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_APART, one, two, three)
+  SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_APART, skf_stage_none, one, two, three, skf_stage_none)
 /* The strength in the row, where the last stage, all products, of some vectors shares a loop with one of the
    next that is all roots and quotients, so that the one multiplies while the other divides: NAME_begin, or ONE. */
 #define SKF_BATCH_WOVEN(name, row_name, again, one, two, three)                                                        \
-  SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_WITH_BEGIN, one, two, three)
+  SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_WITH_BEGIN, skf_stage_none, one, two, three, skf_stage_none)
 #define SKF_BATCH_CROSSED(name, row_name, again, one, two, three)                                                      \
-  SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_WITH_ONE, one, two, three)
+  SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_WITH_ONE, skf_stage_none, one, two, three, skf_stage_none)
+/* The same with two stages more: LOOK before ONE, and GATHER, which is what shares its loop, before the last */
+#define SKF_BATCH_LONG(name, row_name, again, look, one, two, three, gather)                                           \
+  SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_GATHER_WITH_ONE, look, one, two, three, gather)
 /* THREE and ONE together */
 #define SKF_BATCH_LACED(name, row_name, again, one, two, three)                                                        \
-  SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_THREE_WITH_ONE, one, two, three)
-enum { SKF_APART, SKF_WITH_BEGIN, SKF_WITH_ONE, SKF_THREE_WITH_ONE };
+  SKF_BATCH_STAGES_OF(name, row_name, again, true, SKF_THREE_WITH_ONE, skf_stage_none, one, two, three, skf_stage_none)
+enum { SKF_APART, SKF_WITH_BEGIN, SKF_WITH_ONE, SKF_THREE_WITH_ONE, SKF_GATHER_WITH_ONE };
 #define skf_stage_none(row, s) ((void)(row), (void)(s))
 
-#define SKF_BATCH_STAGES_OF(name, row_name, again, inner, woven, one, two, three)                                      \
+#define SKF_BATCH_STAGES_OF(name, row_name, again, inner, woven, look, one, two, three, gather)                        \
   SKF_INLINE skf_vvalue name##_value(const row_name##_row *row, skf_v3d x) {                                           \
     name##_state s;                                                                                                    \
     name##_begin(row, x, &s);                                                                                          \
+    look(row, &s);                                                                                                     \
     one(row, &s);                                                                                                      \
     two(row, &s);                                                                                                      \
     three(row, &s);                                                                                                    \
+    gather(row, &s);                                                                                                   \
     return name##_end(row, &s);                                                                                        \
   }                                                                                                                    \
   SKF_BATCH_COMMON(name, row_name, again, inner)                                                                       \
-  SKF_BATCH_STAGES(name, woven, one, two, three)
+  SKF_BATCH_STAGES(name, woven, look, one, two, three, gather)
 
 /* Of a long form there is one copy, that its loops call. */
 #define SKF_OUTLINE static __attribute__((noinline))
@@ -545,7 +567,7 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
 /* Stage after stage, for many vectors each: their chains of operations are short enough to overlap, and what is between
    waits in memory, so that few registers are needed. A stage best ends with its roots and quotients: what waits for
    them fills the scheduler. Nor is there a call in these loops, which would spill the constants. */
-#define SKF_BATCH_STAGES(name, woven, one, two, three)                                                                 \
+#define SKF_BATCH_STAGES(name, woven, look, one, two, three, gather)                                                   \
   /* some of the points by themselves, whatever lanes they came from */                                                \
   static                                                                                                               \
       __attribute__((noinline)) void name##_apart(const skf_tile *tile, size_t j, const double *const p[3],            \
@@ -564,7 +586,8 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
                                 double *const out[4], const bool more) {                                               \
     double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
     const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
-    const bool laced = (woven) == SKF_THREE_WITH_ONE, twofold = laced || (woven) == SKF_WITH_ONE;                      \
+    const bool laced = (woven) == SKF_THREE_WITH_ONE, gathered = (woven) == SKF_GATHER_WITH_ONE;                       \
+    const bool twofold = laced || gathered || (woven) == SKF_WITH_ONE;                                                 \
     const skf_vd strength = vd_set(tile->column[j]);                                                                   \
     name##_row row;                                                                                                    \
     name##_state room[(woven) >= SKF_WITH_ONE ? 2 : 1][SKF_FLIGHT], *old = room[0];                                    \
@@ -578,6 +601,14 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
       name##_state *const s = twofold && old == room[0] ? room[1] : room[0];                                           \
       if (twofold) {                                                                                                   \
         SKF_ROLLED for (size_t u = 0; u < m; u++) name##_begin(&row, points_load(here, u *SKF_LANES), s + u);          \
+      }                                                                                                                \
+      if (gathered) {                                                                                                  \
+        SKF_ROLLED for (size_t u = 0; u < m; u++) look(&row, s + u);                                                   \
+        SKF_ROLLED for (size_t u = 0; u < both; u++) {                                                                 \
+          gather(&row, old + u);                                                                                       \
+          one(&row, s + u);                                                                                            \
+        }                                                                                                              \
+        SKF_ROLLED for (size_t u = both; u < flying; u++) gather(&row, old + u);                                       \
       }                                                                                                                \
       if (laced) {                                                                                                     \
         SKF_ROLLED for (size_t u = 0; u < both; u++) {                                                                 \

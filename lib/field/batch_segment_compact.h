@@ -12,15 +12,6 @@ typedef struct clip_view {
   skf_vi in0, in1, some, near; /* some: not empty; near: R^2 - r^2 of an end cancels */
 } clip_view;
 
-/* R^2 - |d|^2 to an ulp or two of itself, d = x - at rounded. */
-SKF_INLINE skf_vd power_exact(skf_vd R, skf_v3d x, skf_v3d at, skf_v3d d) {
-  skf_v3d lo = vd3_lost(x, at, d);
-  skf_vd R2 = R * R, pz = d.z * d.z, py = d.y * d.y, px = d.x * d.x, s = R2 - px, t = s - py, last = t - pz;
-  skf_vd low = vd_fms(R, R, R2) + (vd_lost(R2, px, s) + vd_lost(s, py, t) + vd_lost(t, pz, last));
-  low -= vd_fms(d.x, d.x, px) + vd_fms(d.y, d.y, py) + vd_fms(d.z, d.z, pz);
-  return last + vd_fnma(vd_set(2), vd3_dot(d, lo), low);
-}
-
 /* In three steps, each up to a root or a quotient */
 SKF_INLINE void clip_begin(const segment_row *c, const segment_view *f, clip_view *v) {
   skf_vd R2 = c->param2;

@@ -107,13 +107,14 @@ SKF_INLINE skf_vangle vd_angle_parts(skf_vd y, skf_vd x) {
   return (skf_vangle){offset, (skf_vd)((skf_vi)top ^ (vi_sign_bit() & (steep ^ negative))), bottom};
 }
 
-SKF_INLINE skf_vd vd_angle_series(skf_vd offset, skf_vd t) {
+/* atan(t) - t for |t| <= tan(pi / 8) */
+SKF_INLINE skf_vd vd_angle_rest(skf_vd t) {
   skf_vd tt = t * t;
 #ifdef SKF_VEC_FLOAT
   /* (atan(t) / t - 1) / t^2 in t^2: 3e-9 */
   static const double c[] = {-0.33333331760434555943, 0.19999540314957969397, -0.14263949753605724022,
                              0.10743668324830098134, -0.064517188693589580726};
-  return offset + vd_fma(t * tt, vd_halves(c, sizeof c / sizeof *c, tt), t);
+  return t * tt * vd_halves(c, sizeof c / sizeof *c, tt);
 #else
   /* the same as a quotient, in fewer steps: 6e-18 */
   static const double p[] = {-14.741484128731191452, -21.743951606571126886, -8.8124881713516473923,
@@ -121,9 +122,11 @@ SKF_INLINE skf_vd vd_angle_series(skf_vd offset, skf_vd t) {
   static const double q[] = {44.224452386193603764, 91.766526251410943104, 62.544043529909628945,
                              15.461600818395211201};
   skf_vd bottom = vd_fma(vd_fma(vd_fma(tt + vd_set(q[3]), tt, vd_set(q[2])), tt, vd_set(q[1])), tt, vd_set(q[0]));
-  return offset + (t + t * tt * vd_horner(p, 4, tt) / bottom);
+  return t * tt * vd_horner(p, 4, tt) / bottom;
 #endif
 }
+
+SKF_INLINE skf_vd vd_angle_series(skf_vd offset, skf_vd t) { return offset + (t + vd_angle_rest(t)); }
 
 SKF_INLINE skf_vd vd_angle(skf_vd y, skf_vd x) {
   skf_vangle a = vd_angle_parts(y, x);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Some of the vector forms in eight lanes, without the instructions of AVX-512: compilers take minutes over all. */
-#include "field/batch_arc.h"
+#include "field/batch_arc_open.h"
 #include "field/batch_circle.h"
 #include "field/batch_point.h"
 #include "field/batch_segment.h"
@@ -11,6 +11,7 @@ const skf_batch_ops skf_batch_wide = {
     .form = {SKF_BATCH_ENTRY(cauchy_point) SKF_BATCH_ENTRY(gaussian_point) SKF_BATCH_ENTRY(inverse_point)
                  SKF_BATCH_ENTRY(inverse_squared_point) SKF_BATCH_ENTRY(metaball_point)
                      SKF_BATCH_ENTRY(soft_object_point) SKF_BATCH_ENTRY(quartic_point) SKF_BATCH_ENTRY(inverse_segment)
-                         SKF_BATCH_ENTRY(cauchy_segment) SKF_BATCH_ENTRY(cauchy_arc) SKF_BATCH_ENTRY(cauchy_circle)
-                             SKF_BATCH_ENTRY(inverse_circle) SKF_BATCH_ENTRY(inverse_triangle)},
+                         SKF_BATCH_ENTRY(cauchy_segment) SKF_BATCH_ENTRY(cauchy_arc)
+                             SKF_BATCH_ENTRY(inverse_squared_arc) SKF_BATCH_ENTRY(cauchy_circle)
+                                 SKF_BATCH_ENTRY(inverse_circle) SKF_BATCH_ENTRY(inverse_triangle)},
     .total = batch_total};
