@@ -9,7 +9,7 @@
 /* The part lo <= t <= hi of the segment in the support; T is half the ball's chord. */
 typedef struct clip_view {
   skf_vd t0, t1, q0, q1, T, lo, hi, length, gap_lo, gap_hi, h2, h;
-  skf_vi in0, in1, some, near; /* some: not empty; near: R^2 - r^2 of an end cancels */
+  skf_vi in0, in1, some, near; /* some: not empty; near: R^2 - r^2 of an end or of the line cancels */
 } clip_view;
 
 /* In three steps, each up to a root or a quotient */
@@ -26,6 +26,7 @@ SKF_INLINE void clip_chord(const segment_row *c, clip_view *v) {
   skf_vd T0 = vd_fma(v->t0, v->t0, v->q0), T1 = vd_fma(v->t1, v->t1, v->q1), Th = (R - v->h) * (R + v->h);
   skf_vd T2 = vd_select(v->in0, T0, vd_select(v->in1, T1, Th));
   v->some = (T2 > zero) & (v->in0 | (v->t0 < zero)) & (v->in1 | (v->t1 > zero));
+  v->near |= ~(v->in0 | v->in1) & (vd_set(1024) * vd_abs(Th) < R2);
   v->T = vd_sqrt(vd_select(v->some, T2, R2));
 }
 

@@ -1,9 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 #include "field/support.h"
 
+/* R^2 - h^2 of a segment's line; near the rim from what is known exactly, where h's rounding would be lost in it. */
+static double chord2(const skf_segment_frame *f, double R) {
+  double T2 = (R - f->h) * (R + f->h);
+  if (64 * fabs(T2) > R * R) return T2;
+  skf_dd3 along = {dd_sub(f->d0.x, f->d1.x), dd_sub(f->d0.y, f->d1.y), dd_sub(f->d0.z, f->d1.z)};
+  skf_dd3 n = dd3_cross(f->d0, along);
+  skf_dd L2 = dd3_dot(along, along);
+  return dd_sub(dd_mul(dd_two_prod(R, R), L2), dd3_dot(n, n)).hi / L2.hi;
+}
+
 bool skf_segment_support(const skf_segment_frame *f, double R, skf_segment_clip *c) {
   double t0 = f->t0, t1 = f->t1, q0 = dd3_power(R, f->d0), q1 = dd3_power(R, f->d1);
-  double T2 = q0 > 0 ? q0 + t0 * t0 : q1 > 0 ? q1 + t1 * t1 : (R - f->h) * (R + f->h);
+  double T2 = q0 > 0 ? q0 + t0 * t0 : q1 > 0 ? q1 + t1 * t1 : chord2(f, R);
   c->q0 = q0, c->q1 = q1;
   if (T2 <= 0 || (q0 <= 0 && t0 >= 0) || (q1 <= 0 && t1 <= 0)) return false;
   double T = c->T = sqrt(T2);
