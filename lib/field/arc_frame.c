@@ -39,6 +39,7 @@ static void place_ends(const skf_arc_plan *a, skf_arc_frame *f) {
 
 void skf_arc_place(const skf_prepared *e, skf_vec3 x, skf_arc_frame *f) {
   const skf_arc_plan *a = &e->plan.arc;
+  f->plan = a;
   f->e = a->e, f->f = a->f, f->n = a->n;
   f->d = dd3_diff(x, e->primitive.arc.center);
   f->rho = a->radius;

@@ -10,6 +10,7 @@
 #include "field/kernel.h"
 
 typedef struct skf_arc_frame {
+  const skf_arc_plan *plan;
   skf_vec3 e, f, n;
   skf_dd3 d;                  /* x - center, exact */
   double rho, k, z, ux, uy;   /* (ux, uy): unit vector of the azimuth of x in the axes e, f; (1, 0) when k = 0 */

@@ -28,6 +28,20 @@ bool skf_segment_support(const skf_segment_frame *f, double R, skf_segment_clip 
   return c->length > 0;
 }
 
+/* The same of a circle's nearest and farthest point, R^2 - rho^2 - |d|^2 +- 2 rho k = +-((2 rho k)^2 - P^2) / (2 rho k
+   +- P). */
+static void exact_powers(const skf_arc_frame *f, double R, skf_arc_clip *c) {
+  const skf_vec3 raw = f->plan->raw;
+  skf_dd3 n = {{raw.x, 0}, {raw.y, 0}, {raw.z, 0}}, across = dd3_cross(f->d, n);
+  skf_dd rho2 = dd_two_prod(f->rho, f->rho), P = dd_sub(dd_add(rho2, dd3_dot(f->d, f->d)), dd_two_prod(R, R));
+  skf_dd square = dd_mul((skf_dd){4 * rho2.hi, 4 * rho2.lo}, dd3_dot(across, across));
+  double top = dd_sub(square, dd_mul(dd_mul(P, P), f->plan->raw2)).hi / f->plan->raw2.hi, half = 0.5 * f->spread;
+  if (P.hi > 0)
+    c->qa = top / (half + P.hi);
+  else
+    c->qb = -top / (half - P.hi);
+}
+
 bool skf_arc_support(const skf_arc_frame *f, double R, skf_arc_clip *c) {
   c->qa = (R - f->da) * (R + f->da);
   c->qb = (R - f->db) * (R + f->db);
@@ -45,7 +59,8 @@ bool skf_arc_support(const skf_arc_frame *f, double R, skf_arc_clip *c) {
       c->q0 = q.hi + half * (f->c0 - f->s0) * (f->c0 + f->s0);
       c->q1 = q.hi + half * (f->c1 - f->s1) * (f->c1 + f->s1);
     }
-  }
+  } else if (64 * fmin(fabs(c->qa), fabs(c->qb)) < R * R)
+    exact_powers(f, R, c);
   c->cut = c->qb < 0;
   c->chi = c->cut && c->qa > 0 ? atan2(sqrt(c->qa), sqrt(-c->qb)) : SKF_PI / 2;
   return c->qa > 0;
