@@ -1,11 +1,30 @@
 /* SPDX-License-Identifier: MIT */
 #include "field/arc_frame.h"
 
-/* k^2 - rho^2 and z in double-double: near the circle the plain difference loses rho / distance. */
+/* a + b in about 106 bits, not normalised; |a.lo|, |b.lo| are of the size of rounding errors. */
+static skf_dd loose_sum(skf_dd a, skf_dd b) {
+  skf_dd s = dd_two_sum(a.hi, b.hi);
+  return (skf_dd){s.hi, s.lo + (a.lo + b.lo)};
+}
+
+static skf_dd loose_product(skf_dd a, skf_dd b) {
+  skf_dd p = dd_two_prod(a.hi, b.hi);
+  return (skf_dd){p.hi, p.lo + (a.hi * b.lo + a.lo * b.hi)};
+}
+
+static skf_dd loose_dot(skf_dd3 a, skf_dd3 b) {
+  return loose_sum(loose_sum(loose_product(a.x, b.x), loose_product(a.y, b.y)), loose_product(a.z, b.z));
+}
+
+/* k^2 - rho^2 = |d|^2 - z^2 - rho^2 and z in double-double: near the circle the plain difference loses rho / distance.
+ */
 static void exact_place(const skf_arc_plan *a, skf_arc_frame *f) {
-  skf_dd3 n = {{a->raw.x, 0}, {a->raw.y, 0}, {a->raw.z, 0}}, c = dd3_cross(f->d, n);
-  f->inner = dd_sub(dd3_dot(c, c), a->radius2_raw2).hi / (a->raw2.hi * f->outer);
-  f->z = dd3_dot_d(f->d, a->raw) / a->raw_length;
+  skf_dd3 n = {{a->raw.x, 0}, {a->raw.y, 0}, {a->raw.z, 0}};
+  skf_dd z = loose_dot(f->d, n),
+         near = loose_sum(loose_product(loose_dot(f->d, f->d), a->raw2), dd_neg(a->radius2_raw2));
+  skf_dd rest = loose_sum(near, dd_neg(loose_product(z, z)));
+  f->inner = (rest.hi + rest.lo) / (a->raw2.hi * f->outer);
+  f->z = (z.hi + z.lo) / a->raw_length;
 }
 
 /* Half the angle whose cosine and sine are c >= 0 and s. */
