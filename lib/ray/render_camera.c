@@ -143,42 +143,60 @@ static void fit(skf_view *v, const cloud *c) {
   v->from = v3_mad(v3_mad(v3_scale(x, v->right), y, v->up), z, v->forward);
 }
 
-enum { PROBE = 56 }; /* rays each way that look for the surface */
+enum { PROBE = 56, PROBES = PROBE * PROBE }; /* rays each way that look for the surface */
+
+/* Room for these rays and what they meet. */
+typedef struct probes {
+  skf_ray ray[PROBES];
+  skf_hit hit[PROBES];
+  bool found[PROBES];
+} probes;
+
+static bool holds(skf_box b, skf_vec3 p) {
+  return p.x >= b.lo.x && p.y >= b.lo.y && p.z >= b.lo.z && p.x <= b.hi.x && p.y <= b.hi.y && p.z <= b.hi.z;
+}
 
 /* Adds the places where the camera's rays meet the surface within the box; the box where there are none. */
-static skf_status add_surface(const skf_view *v, const skf_field *field, double iso, skf_box box, cloud *c) {
-  skf_tracer *tracer;
-  skf_status status = skf_tracer_new_with(field, iso, &(skf_tracer_options){.normals = 1e-3}, &tracer);
+static skf_status add_surface(const skf_view *v, const skf_tracer *tracer, skf_box box, probes *p, cloud *c) {
+  skf_status status = SKF_OK;
   size_t before = c->n;
-  for (int k = 0; k < PROBE * PROBE && !status; k++) {
+  for (int k = 0; k < PROBES; k++) {
     int row = k / PROBE;
-    skf_ray ray = {v->from, skf_view_ray(v, PROBE, PROBE, k % PROBE + 0.5, row + 0.5), 0, INFINITY};
-    skf_hit hit;
-    bool found = false;
-    if (skf_tracer_first(tracer, &ray, &hit, &found, NULL) || !found) continue;
-    const skf_vec3 p = hit.at;
-    if (p.x >= box.lo.x && p.y >= box.lo.y && p.z >= box.lo.z && p.x <= box.hi.x && p.y <= box.hi.y && p.z <= box.hi.z)
-      status = add_point(c, p);
+    p->ray[k] = (skf_ray){v->from, skf_view_ray(v, PROBE, PROBE, k % PROBE + 0.5, row + 0.5), 0, INFINITY};
   }
-  if (!status && c->n == before) status = add_box(c, box);
-  skf_tracer_free(tracer);
-  return status;
+  skf_tracer_first_many(tracer, PROBES, p->ray, p->hit, p->found, NULL); /* what is wrong with a ray finds nothing */
+  for (int k = 0; k < PROBES && !status; k++)
+    if (p->found[k] && holds(box, p->hit[k].at)) status = add_point(c, p->hit[k].at);
+  return status || c->n > before ? status : add_box(c, box);
 }
 
 /* The boxes are wide: they only give the first camera, which then looks at the surfaces themselves. */
-static skf_status frame(const skf_field *const *fields, const double *isos, const skf_box *boxes, size_t count,
-                        const skf_vec3 *points, size_t n, skf_view *v) {
+static skf_status look_thrice(skf_tracer *const *tracers, const skf_box *boxes, size_t count, const skf_vec3 *points,
+                              size_t n, probes *p, skf_view *v) {
   cloud c = {NULL, 0, 0};
   skf_status status = SKF_OK;
   for (int pass = 0; pass < 3 && !status; pass++) {
     c.n = 0;
     for (size_t i = 0; i < count && !status; i++)
-      status = pass ? add_surface(v, fields[i], isos[i], boxes[i], &c) : add_box(&c, boxes[i]);
+      status = pass ? add_surface(v, tracers[i], boxes[i], p, &c) : add_box(&c, boxes[i]);
     for (size_t i = 0; i < n && !status; i++) status = add_point(&c, points[i]);
     if (!status && c.n == 0) status = add_box(&c, (skf_box){{-1, -1, -1}, {1, 1, 1}});
     if (!status) fit(v, &c);
   }
   skf_free(c.at);
+  return status;
+}
+
+static skf_status frame(const skf_field *const *fields, const double *isos, const skf_box *boxes, size_t count,
+                        const skf_vec3 *points, size_t n, skf_view *v) {
+  skf_tracer **tracers = skf_alloc(count, sizeof *tracers);
+  probes *p = skf_alloc(1, sizeof *p);
+  skf_status status = tracers && p ? SKF_OK : SKF_ERR_NOMEM;
+  for (size_t i = 0; i < count && !status; i++)
+    status = skf_tracer_new_with(fields[i], isos[i], &(skf_tracer_options){.normals = 1e-3}, tracers + i);
+  if (!status) status = look_thrice(tracers, boxes, count, points, n, p, v);
+  for (size_t i = 0; tracers && i < count; i++) skf_tracer_free(tracers[i]);
+  skf_free(tracers), skf_free(p);
   return status;
 }
 
