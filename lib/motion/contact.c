@@ -122,7 +122,7 @@ size_t skf_contact_born(const skf_world *world, skf_clock t, skf_vec3 p) {
   for (size_t i = 0; i < world->n; i++) {
     const skf_world_body *b = world->bodies + i;
     if (!b->surface) continue;
-    skf_turn r = skf_turn_at(b, t);
+    skf_turn r = skf_field_turn_at(b, t);
     skf_vec3 g, q = skf_turn_point(&r, -1, p);
     double F = skf_field_at(b->is.field, q, &g);
     if (fabs(F - b->is.iso) <= 4 * skf_view_noise(b, F, g, q, p)) return i;
@@ -131,7 +131,7 @@ size_t skf_contact_born(const skf_world *world, skf_clock t, skf_vec3 p) {
 }
 
 skf_vec3 skf_contact_normal(const skf_world_body *b, skf_clock t, skf_vec3 p) {
-  skf_turn r = skf_turn_at(b, t);
+  skf_turn r = skf_field_turn_at(b, t);
   skf_vec3 g;
   skf_field_at(b->is.field, skf_turn_point(&r, -1, p), &g);
   return v3_unit(v3_scale(-1, skf_turn_vector(&r, 1, g)));

@@ -6,11 +6,11 @@
    numbers: scene files give 16 digits. */
 #define SAME 1e-14
 
-static bool parallel(skf_vec3 a, skf_vec3 b) { return v3_norm(v3_cross(v3_unit(a), v3_unit(b))) <= SAME; }
+static bool parallel(skf_vec3 a, skf_vec3 b, double same) { return v3_norm(v3_cross(v3_unit(a), v3_unit(b))) <= same; }
 
-static bool on_axis(skf_vec3 p, skf_vec3 axis, skf_vec3 about) {
+static bool on_axis(skf_vec3 p, skf_vec3 axis, skf_vec3 about, double same) {
   skf_vec3 d = v3_sub(p, about);
-  return v3_norm(v3_cross(d, axis)) <= SAME * (v3_norm(p) + v3_norm(about));
+  return v3_norm(v3_cross(d, axis)) <= same * (v3_norm(p) + v3_norm(about));
 }
 
 /* The axis of a primitive's own symmetry; false when it has none. A point has every axis through it (zero vector). */
@@ -26,20 +26,21 @@ static bool axis_of(const skf_primitive *p, skf_vec3 *axis, skf_vec3 *about) {
 typedef struct symmetry {
   bool any, axial, point;
   skf_vec3 axis, about; /* axis is zero while only one point is known */
+  double same;          /* SAME, or 0: exactly */
 } symmetry;
 
 static void join_axis(symmetry *s, skf_vec3 axis, skf_vec3 about) {
   bool point = v3_norm(axis) == 0;
   if (!s->any) {
-    *s = (symmetry){true, true, point, v3_unit(axis), about};
+    *s = (symmetry){true, true, point, v3_unit(axis), about, s->same};
   } else if (s->point) {
     skf_vec3 d = point ? v3_sub(about, s->about) : axis;
     if (point && v3_norm(d) == 0) return;
     skf_vec3 first = s->about;
-    *s = (symmetry){true, true, false, v3_unit(d), about};
-    s->axial = on_axis(first, s->axis, about);
+    *s = (symmetry){true, true, false, v3_unit(d), about, s->same};
+    s->axial = on_axis(first, s->axis, about, s->same);
   } else {
-    s->axial = s->axial && (point || parallel(axis, s->axis)) && on_axis(about, s->axis, s->about);
+    s->axial = s->axial && (point || parallel(axis, s->axis, s->same)) && on_axis(about, s->axis, s->about, s->same);
   }
 }
 
@@ -64,21 +65,31 @@ static void join_planes(symmetry *s, const skf_world_body *b) {
   for (size_t i = 0; i < n; i++) {
     const skf_primitive *p = &skf_field_element(b->is.field, i)->primitive;
     if (p->shape != SKF_PLANE) continue;
-    if (s->point) *s = (symmetry){true, s->axial, false, v3_unit(p->plane.normal), s->about};
-    s->axial = s->axial && parallel(p->plane.normal, s->axis);
+    if (s->point) *s = (symmetry){true, s->axial, false, v3_unit(p->plane.normal), s->about, s->same};
+    s->axial = s->axial && parallel(p->plane.normal, s->axis, s->same);
   }
 }
 
-void skf_world_find_symmetry(skf_world *w) {
+/* Exactly: what is symmetric but for rounding turns. */
+static bool turns(const skf_world_body *b) {
   symmetry s = {0};
+  if (b->rate == 0) return false;
+  join_body(&s, b);
+  join_planes(&s, b);
+  return !s.axial;
+}
+
+void skf_world_find_symmetry(skf_world *w) {
+  symmetry s = {.same = SAME};
   const skf_world_body *first = w->bodies;
   w->still = w->alike = true;
   for (size_t i = 0; i < w->n; i++) {
     const skf_world_body *b = w->bodies + i;
+    w->bodies[i].turns = turns(b);
     if (b->rate != 0) w->still = false;
     skf_vec3 omega = v3_scale(b->rate, b->axis), omega0 = v3_scale(first->rate, first->axis);
     if (v3_dist(omega, omega0) > SAME * v3_norm(omega0)) w->alike = false;
-    if (first->rate != 0 && !on_axis(b->is.spin.about, first->axis, first->is.spin.about)) w->alike = false;
+    if (first->rate != 0 && !on_axis(b->is.spin.about, first->axis, first->is.spin.about, SAME)) w->alike = false;
     join_body(&s, b);
   }
   for (size_t i = 0; i < w->n; i++) join_planes(&s, w->bodies + i);

@@ -8,7 +8,7 @@
 
 skf_view skf_view_of(const skf_world *w, size_t body, const skf_path *path) {
   const skf_world_body *b = w->bodies + body;
-  return (skf_view){b, skf_scout_tracer(w, body), path, b->rate * path->h};
+  return (skf_view){b, skf_scout_tracer(w, body), path, b->turns ? b->rate * path->h : 0};
 }
 
 static skf_clock time_at(const skf_view *v, double s) { return clock_add(v->path->t0, s * v->path->h); }
@@ -20,13 +20,13 @@ static skf_vec3 drift(const skf_view *v, skf_vec3 x, skf_vec3 dx) {
 }
 
 double skf_view_level(const skf_view *v, double s) {
-  skf_turn r = skf_turn_at(v->b, time_at(v, s));
+  skf_turn r = skf_field_turn_at(v->b, time_at(v, s));
   skf_vec3 x = skf_path_position(v->path, s);
   return skf_field_at(v->b->is.field, skf_turn_point(&r, -1, x), NULL) - v->b->is.iso;
 }
 
 skf_sight skf_view_at(const skf_view *v, double s) {
-  skf_turn r = skf_turn_at(v->b, time_at(v, s));
+  skf_turn r = skf_field_turn_at(v->b, time_at(v, s));
   skf_vec3 x = skf_path_position(v->path, s), q = skf_turn_point(&r, -1, x), g;
   double F = skf_field_at(v->b->is.field, q, &g);
   skf_vec3 d = skf_turn_vector(&r, -1, drift(v, x, skf_path_rate(v->path, s)));
@@ -65,7 +65,7 @@ skf_glance skf_view_place(const skf_view *v, double middle, double half) {
   skf_piece p = skf_path_piece(v->path, middle, half);
   skf_glance g = {.x = p.x, .q = p.x, .d = p.d1, .speed = p.speed, .bend = p.bend};
   if (v->omega != 0) {
-    skf_turn r = skf_turn_at(v->b, time_at(v, middle));
+    skf_turn r = skf_field_turn_at(v->b, time_at(v, middle));
     double w = fabs(v->omega), reach = v3_dist(p.x, v->b->is.spin.about) + p.speed * half;
     g.q = skf_turn_point(&r, -1, p.x);
     g.d = skf_turn_vector(&r, -1, drift(v, p.x, p.d1));

@@ -109,6 +109,10 @@ skf_turn skf_turn_at(const skf_world_body *b, skf_clock t) {
   return (skf_turn){b->axis, b->is.spin.about, cos(angle), sin(angle), true};
 }
 
+skf_turn skf_field_turn_at(const skf_world_body *b, skf_clock t) {
+  return b->turns ? skf_turn_at(b, t) : (skf_turn){.c = 1};
+}
+
 skf_vec3 skf_turn_vector(const skf_turn *r, double sign, skf_vec3 v) {
   if (!r->on) return v;
   skf_vec3 along = v3_scale(v3_dot(r->axis, v), r->axis), across = v3_sub(v, along);
@@ -123,7 +127,7 @@ const skf_world_body *skf_world_lone(const skf_world *w) {
   const skf_world_body *only = NULL;
   for (size_t i = 0; i < w->n; i++) {
     if (w->bodies[i].is.gain == 0) continue;
-    if (only || w->bodies[i].rate != 0) return NULL;
+    if (only || w->bodies[i].turns) return NULL;
     only = w->bodies + i;
   }
   return only && only->is.gain > 0 && !w->force_count ? only : NULL;
@@ -144,11 +148,11 @@ bool skf_world_force(const void *world, skf_clock t, const skf_vec3 *p, skf_vec3
     skf_turn r = {.on = false};
     skf_vec3 q;
     if (b->is.gain == 0) continue;
-    if (b->rate != 0) r = skf_turn_at(b, t), q = skf_turn_point(&r, -1, *p), at = &q;
+    if (b->turns) r = skf_turn_at(b, t), q = skf_turn_point(&r, -1, *p), at = &q;
     skf_field_point(b->is.field, at, v);
     if (!isfinite(v[0])) return false;
     skf_vec3 g = v3(v[1], v[2], v[3]);
-    sum = v3_mad(sum, b->is.gain, b->rate != 0 ? skf_turn_vector(&r, 1, g) : g);
+    sum = v3_mad(sum, b->is.gain, b->turns ? skf_turn_vector(&r, 1, g) : g);
     if (noise) rough += skf_body_noise(b, *at, v[0], g);
   }
   *a = sum;
@@ -181,15 +185,15 @@ static void add_body(const skf_world_body *b, const crowd *c, bool first) {
   const double *at[3] = {c->p[0], c->p[1], c->p[2]};
   double *const to[3] = {g[0], g[1], g[2]};
   skf_turn r[FEW];
-  for (size_t i = 0; i < c->n && b->rate != 0; i++) {
+  for (size_t i = 0; i < c->n && b->turns; i++) {
     r[i] = skf_turn_at(b, (skf_clock){c->t_hi[i], c->t_lo[i]});
     skf_vec3 x = skf_turn_point(r + i, -1, v3(at[0][i], at[1][i], at[2][i]));
     q[0][i] = x.x, q[1][i] = x.y, q[2][i] = x.z;
   }
-  for (int k = 0; k < 3 && b->rate != 0; k++) at[k] = q[k];
+  for (int k = 0; k < 3 && b->turns; k++) at[k] = q[k];
   skf_field_eval(b->is.field, c->n, at, F, to, NULL);
   if (c->noise) roughen(b, c, at, F, g, first);
-  for (size_t i = 0; i < c->n && b->rate != 0; i++) {
+  for (size_t i = 0; i < c->n && b->turns; i++) {
     skf_vec3 v = skf_turn_vector(r + i, 1, v3(g[0][i], g[1][i], g[2][i]));
     g[0][i] = v.x, g[1][i] = v.y, g[2][i] = v.z;
   }
@@ -251,7 +255,7 @@ double skf_world_potential(const skf_world *w, skf_clock t, skf_vec3 p, double *
   double u = 0, m = 0;
   for (size_t i = 0; i < w->n; i++) {
     if (w->bodies[i].is.gain == 0) continue; /* even where its field is infinite */
-    skf_turn r = skf_turn_at(w->bodies + i, t);
+    skf_turn r = skf_field_turn_at(w->bodies + i, t);
     double part = -w->bodies[i].is.gain * skf_field_at(w->bodies[i].is.field, skf_turn_point(&r, -1, p), NULL);
     u += part;
     m += fabs(part);

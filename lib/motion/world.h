@@ -11,6 +11,7 @@ typedef struct skf_world_body {
   skf_attractor is;
   skf_vec3 axis;        /* unit, or zero without rotation */
   double rate;          /* 0 without rotation */
+  bool turns;           /* the field turns with it: it is not symmetric about that axis */
   skf_vec3 center;      /* of the bounded part of the skeleton, body frame */
   double radius;        /* of a ball about it that holds that part; 0 when there is none */
   double grain;         /* shortest support of its kernels, INFINITY when none has one */
@@ -46,6 +47,8 @@ typedef struct skf_turn {
 } skf_turn;
 
 skf_turn skf_turn_at(const skf_world_body *b, skf_clock t);
+/* That of its field: none where it makes no difference. */
+skf_turn skf_field_turn_at(const skf_world_body *b, skf_clock t);
 /* Turns a vector by the angle (sign +1: body to inertial) or back (sign -1). */
 skf_vec3 skf_turn_vector(const skf_turn *r, double sign, skf_vec3 v);
 skf_vec3 skf_turn_point(const skf_turn *r, double sign, skf_vec3 p);
@@ -83,7 +86,7 @@ double skf_world_leap(const skf_world *world, skf_vec3 p);
    within or beyond a kernel's end of the nearest and of the farthest point of a primitive. */
 bool skf_world_has_joins(const skf_world *world);
 uint64_t skf_world_zone(const skf_world *world, skf_clock t, skf_vec3 p);
-/* The symmetry of the whole world. */
+/* The symmetry of the whole world, and which bodies' fields turn. */
 void skf_world_find_symmetry(skf_world *world);
 skf_invariants skf_world_invariants_at(const skf_world *world, skf_clock t, skf_vec3 p, skf_vec3 v);
 

@@ -2,6 +2,7 @@
 /* Contacts on curved paths: when, where, and what follows. */
 #include "motion/worlds.h"
 #include "random.h"
+#include <string.h>
 
 /* A sphere of radius R: the surface of a point mass 1 (G M = gain). */
 static skf_world *sphere(double R, double gain, skf_spin spin, skf_field **field) {
@@ -55,6 +56,40 @@ static void grazing_is_decided(void **state) {
         skf_flight_free(f);
         drop_world(w, field);
       }
+}
+
+/* A body that spins about an axis of its own symmetry is, to what flies, one that does not: the same bits. One that
+   spins about another axis is not. */
+static void round_bodies_turn_for_nothing(void **state) {
+  (void)state;
+  const skf_element arc = ring_of(1, newton, 1), rod = segment_of(v3(0, 0, -1), v3(0, 0, 2), newton, 1);
+  const skf_element *const bodies[] = {&arc, &rod};
+  const skf_spin spins[] = {{{0, 0, 1}, {0, 0, 3}, 2.5}, {{0, 0, -2}, {0, 0, 0}, 7}, {{1, 0, 0}, {0, 0, 0}, 2.5}};
+  for (size_t b = 0; b < 2; b++)
+    for (size_t k = 0; k < 3; k++) {
+      skf_field *fields[2];
+      skf_world *worlds[2] = {single(bodies[b], 1, 8, 0.2, still, fields),
+                              single(bodies[b], 1, 8, 0.2, spins[k], fields + 1)};
+      uint64_t seed = 9;
+      size_t hits = 0, same = 0;
+      for (int i = 0; i < 40; i++) {
+        skf_state start = {0, v3_scale(2.5, rnd_unit(&seed)), rnd_vec(&seed, 0.2)}, end[2];
+        skf_contact c[2] = {{0}, {0}};
+        size_t n[2] = {0, 0};
+        for (int w = 0; w < 2; w++) {
+          skf_flight *f = fly(worlds[w], (skf_flight_options){.contact = SKF_CONTACT_STOP}, start);
+          end[w] = state_at(f, 8, n + w, c + w);
+          skf_flight_free(f);
+          if (n[w]) check_scaled(skf_world_level(worlds[w], 0, c[w].t, c[w].position), 0, 8, 1e-14);
+        }
+        hits += n[0];
+        same += n[0] == n[1] && memcmp(end, end + 1, sizeof *end) == 0 && c[0].t == c[1].t &&
+                v3_dist(c[0].normal, c[1].normal) == 0;
+      }
+      assert_true(hits > 5);
+      assert_int_equal(same == 40, k < 2);
+      for (int w = 0; w < 2; w++) drop_world(worlds[w], fields[w]);
+    }
 }
 
 /* Thin spikes in all directions, crossed by straight flights in one long step each: as the ray solver says. */
@@ -381,13 +416,21 @@ static void the_absorbed_are_gone(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(free_fall_takes_its_time),   cmocka_unit_test(grazing_is_decided),
-      cmocka_unit_test(spikes_are_not_missed),      cmocka_unit_test(births_on_and_in_the_surface),
-      cmocka_unit_test(flights_along_the_surface),  cmocka_unit_test(elastic_bounces_keep_energy),
-      cmocka_unit_test(lossy_bounces_come_to_rest), cmocka_unit_test(sliding_goes_on_and_friction_stops_it),
-      cmocka_unit_test(spinning_ground_counts),     cmocka_unit_test(moving_bodies_are_met),
-      cmocka_unit_test(passing_tells_every_entry),  cmocka_unit_test(passing_comes_back),
-      cmocka_unit_test(the_absorbed_are_gone),      cmocka_unit_test(bounces_above_the_origin_end),
+      cmocka_unit_test(free_fall_takes_its_time),
+      cmocka_unit_test(grazing_is_decided),
+      cmocka_unit_test(round_bodies_turn_for_nothing),
+      cmocka_unit_test(spikes_are_not_missed),
+      cmocka_unit_test(births_on_and_in_the_surface),
+      cmocka_unit_test(flights_along_the_surface),
+      cmocka_unit_test(elastic_bounces_keep_energy),
+      cmocka_unit_test(lossy_bounces_come_to_rest),
+      cmocka_unit_test(sliding_goes_on_and_friction_stops_it),
+      cmocka_unit_test(spinning_ground_counts),
+      cmocka_unit_test(moving_bodies_are_met),
+      cmocka_unit_test(passing_tells_every_entry),
+      cmocka_unit_test(passing_comes_back),
+      cmocka_unit_test(the_absorbed_are_gone),
+      cmocka_unit_test(bounces_above_the_origin_end),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
