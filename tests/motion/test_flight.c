@@ -244,6 +244,8 @@ static void bad_flights_are_refused(void **state) {
   assert_int_equal(skf_flight_new(w, &(skf_flight_options){.tolerance = 1}, &s, &f), SKF_ERR_ARG);
   skf_flight_options fixed = {.integrator = "leapfrog", .step = 0.1, .max_step = 0.2};
   assert_int_equal(skf_flight_new(w, &fixed, &s, &f), SKF_ERR_ARG);
+  fixed = (skf_flight_options){.integrator = "leapfrog", .step = -0.1}; /* time goes forwards: reverse the velocity */
+  assert_int_equal(skf_flight_new(w, &fixed, &s, &f), SKF_ERR_ARG);
   assert_int_equal(skf_flight_new(w, &(skf_flight_options){0}, &in_the_sun, &f), SKF_ERR_CONVERGENCE);
   s.velocity.x = NAN;
   assert_int_equal(skf_flight_new(w, &(skf_flight_options){0}, &s, &f), SKF_ERR_RANGE);
