@@ -123,8 +123,14 @@ static double loss(const far_term *g, const tail axis[FAR_REACH + 1], int n, dou
   return worst;
 }
 
-/* 5/4: measured, for total degrees instead of degrees along each axis; test_far.c measures the outcome. */
-static bool expand(far_term *g, double alpha, double c2, double accuracy) {
+/* Degrees along each axis to total degrees, as measured: the finer, the more does the gradient between facing corners
+   take. tests/field/test_far.c measures the outcome. */
+static int total_order(int n, double accuracy) {
+  double digits = -log10(accuracy);
+  return (5 * n + 3) / 4 + (digits > 9 ? (int)ceil((digits - 9) / 1.5 - 1e-9) : 0);
+}
+
+static bool expand(far_term *g, double alpha, double c2, double accuracy, int count) {
   double c[FAR_REACH + 1][NODES][NODES];
   tail axis[FAR_REACH + 1];
   for (int s = 0; s <= FAR_REACH; s++) {
@@ -132,13 +138,14 @@ static bool expand(far_term *g, double alpha, double c2, double accuracy) {
     tails(c[s], axis + s);
   }
   int n = 2;
-  while (n < NODES && loss(g, axis, n, alpha, c2) > accuracy) n++;
-  g->order = (5 * n + 3) / 4;
+  while (n < NODES && loss(g, axis, n, alpha, c2) > 5 * accuracy / count) n++;
+  g->order = total_order(n, accuracy);
   if (g->order > FAR_ORDER) return false;
   for (int s = 0; s < FAR_SHIFTS; s++) {
     int away = abs(s - FAR_REACH);
     double far = away + 1;
-    g->matters[s] = g->w * peak(g->t, away) * fmax(1, 2 * g->t) > 1e-3 * accuracy * pow(3 * far * far + c2, -alpha);
+    g->matters[s] =
+        g->w * peak(g->t, away) * fmax(1, 2 * g->t) > 5e-3 * accuracy / count * pow(3 * far * far + c2, -alpha);
     for (int i = 0; i < g->order; i++)
       for (int j = 0; j < g->order; j++) {
         double v = c[away][j][i] * (s < FAR_REACH && (i + j) % 2 ? -1 : 1);
@@ -165,7 +172,7 @@ bool skf_far_mixture_make(skf_kernel kernel, double side, double accuracy, far_m
     g->t = e.t[k] / y0;
     g->w = pow(y0, -alpha) * e.w[k] * exp(-g->t * c2);
     if (g->w * exp(-g->t) < 1e-4 * accuracy * pow(y1, -alpha)) continue;
-    if (!expand(g, alpha, c2, 5 * accuracy / e.count)) return false;
+    if (!expand(g, alpha, c2, accuracy, e.count)) return false;
     out->order = g->order > out->order ? g->order : out->order;
     for (int s = 0; s < FAR_SHIFTS; s++)
       for (int i = 0; i < FAR_ORDER; i++)

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: MIT */
+/* Expansions in Chebyshev polynomials between two cells, one source and one target at a time: faces, facing corners. */
+#include "check.h"
+#include "field/far_tensor.h"
+#include "random.h"
+#include <stdlib.h>
+#include <string.h>
+
+enum { SOURCES = 6, TARGETS = SKF_BATCH };
+
+static const double side = 0.25;
+static far_mixture mixture;
+static far_layout layout;
+static double *in, *out, *room[2];
+
+/* At corners, on faces, anywhere in the unit cell */
+static double coordinate(uint64_t *seed, size_t i) {
+  double x = rnd(seed, -0.5, 0.5);
+  return i % 3 == 0 ? copysign(0.5, x) : i % 3 == 1 ? 0.5 * cos(SKF_PI * (x + 0.5)) : x;
+}
+
+/* The polynomials of what a unit source at y does to the cell from which its own is `shift` away. */
+static void carry(const double y[3], const int shift[3]) {
+  static double T[3][FAR_GATHER][FAR_ORDER + FAR_PAD];
+  const far_ops *ops = &skf_far_scalar;
+  size_t bytes = layout.size * sizeof(double);
+  memset(T, 0, sizeof T), memset(in, 0, bytes), memset(out, 0, bytes);
+  for (int k = 0; k < 3; k++) far_chebyshev(2 * y[k] / FAR_WIDE, layout.order, T[k][0]);
+  ops->points(&layout, T, in);
+  for (int i = 0; i < mixture.count; i++) {
+    const far_term *g = mixture.term + i;
+    const far_matrix *m[3] = {g->along + FAR_REACH + shift[0], g->along + FAR_REACH + shift[1],
+                              g->last + FAR_REACH + shift[2]};
+    bool matters = true;
+    for (int k = 0; k < 3; k++) matters = matters && g->matters[FAR_REACH + shift[k]];
+    if (!matters) continue;
+    memset(room[0], 0, bytes), memset(room[1], 0, bytes);
+    ops->along[0][FAR_ONE](&layout, g->order, m[0], in, NULL, room[0]);
+    ops->along[1][FAR_ONE](&layout, g->order, m[1], room[0], NULL, room[1]);
+    ops->along[2][FAR_ONE](&layout, g->order, m[2], room[1], NULL, out);
+  }
+}
+
+/* The worst errors of F, relative, and of the gradient, relative to max(|grad F|, F / r). */
+static void compare(uint64_t *seed, skf_kernel kernel, const double y[3], const int shift[3], double worst[2]) {
+  static double u[3][TARGETS], x[3][TARGETS], got[4][TARGETS];
+  for (size_t i = 0; i < TARGETS; i++)
+    for (int k = 0; k < 3; k++) {
+      u[k][i] = i < 8 ? ((i >> k & 1) ? 0.5 : -0.5) : coordinate(seed, i);
+      x[k][i] = 2 * u[k][i] / FAR_WIDE;
+    }
+  skf_far_scalar.local(&layout, out, TARGETS, 2 / (FAR_WIDE * side), (const double(*)[TARGETS])x, got);
+  for (size_t i = 0; i < TARGETS; i++) {
+    skf_vec3 d = {u[0][i] - y[0] - shift[0], u[1][i] - y[1] - shift[1], u[2][i] - y[2] - shift[2]};
+    double r = side * v3_norm(d), s = kernel.param * r, base = kernel.type == SKF_CAUCHY ? 1 + s * s : r * r;
+    double F = kernel.type == SKF_CAUCHY ? 1 / (base * base) : 1 / base;
+    double slope = kernel.type == SKF_CAUCHY ? -4 * kernel.param * s / (base * base * base) : -2 * F / r;
+    skf_vec3 g = v3_scale(slope / v3_norm(d), d), off = v3_sub(v3(got[1][i], got[2][i], got[3][i]), g);
+    worst[0] = fmax(worst[0], fabs(got[0][i] - F) / F);
+    worst[1] = fmax(worst[1], v3_norm(off) / fmax(fabs(slope), F / r));
+  }
+}
+
+static void check_kernel(skf_kernel kernel, double accuracy) {
+  static const int shifts[][3] = {{2, 0, 0}, {0, -2, 1}, {1, 1, 2}, {-2, 2, 0}, {2, 2, -2}, {0, 0, 3}, {3, -3, 3}};
+  uint64_t seed = 31;
+  double worst[2] = {0, 0};
+  assert_true(skf_far_mixture_make(kernel, side, accuracy, &mixture));
+  layout = far_layout_new(mixture.order);
+  in = calloc(4 * layout.size + 8, sizeof *in);
+  assert_non_null(in);
+  out = in + layout.size, room[0] = out + layout.size, room[1] = room[0] + layout.size;
+  for (size_t k = 0; k < sizeof shifts / sizeof *shifts; k++)
+    for (size_t i = 0; i < SOURCES; i++) {
+      double y[3];
+      for (int c = 0; c < 3; c++) /* a corner that faces the target, its opposite, others */
+        y[c] = i == 0   ? (shifts[k][c] > 0 ? -0.5 : 0.5)
+               : i == 1 ? (shifts[k][c] > 0 ? 0.5 : -0.5)
+                        : coordinate(&seed, i);
+      carry(y, shifts[k]);
+      compare(&seed, kernel, y, shifts[k], worst);
+    }
+  print_message("kernel %d, s = %g, %.0e: order %d, F %.1e, gradient %.1e\n", (int)kernel.type, kernel.param, accuracy,
+                mixture.order, worst[0], worst[1]);
+  free(in);
+  if (!(worst[0] <= accuracy && worst[1] <= accuracy)) fail_msg("not within %g", accuracy);
+}
+
+static void test_cells(void **state) {
+  (void)state;
+  static const double accuracies[] = {1e-3, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12};
+  static const skf_kernel kernels[] = {
+      {.type = SKF_INVERSE_SQUARED}, {.type = SKF_CAUCHY, .param = 3}, {.type = SKF_CAUCHY, .param = 1e4}};
+  for (size_t k = 0; k < sizeof kernels / sizeof *kernels; k++)
+    for (size_t i = 0; i < sizeof accuracies / sizeof *accuracies; i++) check_kernel(kernels[k], accuracies[i]);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_cells)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
