@@ -48,7 +48,7 @@ void render_spin(render_job *j);
 void render_release(render_job *j);
 
 /* ---- render_output.c ---- */
-/* Whether the picture is a PNG without paths or axes, which needs no drawing module. */
+/* Whether the picture is a PNG or PPM without paths or axes, which needs no drawing module. */
 bool render_is_plain(const render_job *j);
 /* Traces it, with the paths up to the job's time, or draws its cost map; its bytes go back with render_give_back. */
 int render_picture(render_job *j, unsigned char **bytes, size_t *n);

@@ -62,8 +62,11 @@ static skf_status draw(render_job *j, unsigned char **bytes, size_t *n, char err
   return s;
 }
 
+static bool is(const render_job *j, const char *ending) { return !strcmp(j->format->ending, ending); }
+
 bool render_is_plain(const render_job *j) {
-  return skf_png_there() && !strcmp(j->format->ending, "png") && j->mode != RENDER_COST && !run_is_shown(j);
+  bool own = is(j, "ppm") || (skf_png_there() && is(j, "png"));
+  return own && j->mode != RENDER_COST && !run_is_shown(j);
 }
 
 void render_give_back(const render_job *j, unsigned char *bytes) {
@@ -73,16 +76,27 @@ void render_give_back(const render_job *j, unsigned char *bytes) {
     j->plot->release(bytes);
 }
 
+/* A PPM of 8 bits. */
+static skf_status encode_ppm(int w, int h, const unsigned char *rgb, unsigned char **bytes, size_t *n) {
+  char head[40];
+  int m = snprintf(head, sizeof head, "P6\n%d %d\n255\n", w, h);
+  size_t size = 3 * (size_t)w * h;
+  *bytes = malloc((size_t)m + size), *n = (size_t)m + size;
+  if (!*bytes) return SKF_ERR_NOMEM;
+  memcpy(*bytes, head, (size_t)m), memcpy(*bytes + m, rgb, size);
+  return SKF_OK;
+}
+
 /* Nothing is drawn over these. */
 static skf_status bare(const render_job *j, unsigned char **bytes, size_t *n, char error[256]) {
   int w = j->what.width, h = j->what.height;
   void *image = values(j);
   skf_status s = SKF_ERR_NOMEM;
   snprintf(error, 256, "%s", skf_status_text(s));
-  if (image && render_is_plain(j))
-    s = skf_png_encode(w, h, j->bits, image, bytes, n);
-  else if (image)
+  if (image && !render_is_plain(j))
     s = j->plot->encode_deep(w, h, image, j->format->ending, bytes, n, error);
+  else if (image)
+    s = is(j, "ppm") ? encode_ppm(w, h, image, bytes, n) : skf_png_encode(w, h, j->bits, image, bytes, n);
   free(image);
   return s;
 }

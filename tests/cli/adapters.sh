@@ -32,6 +32,9 @@ else
   serves opencv "a snapshot in png" snapshot.png render "$data/gaussian.yaml" -o snapshot.png --size 60x40
 fi
 ! has png && ! has opencv || expect "snapshot.png is a PNG" is_png snapshot.png
+SKELFIELD_MODULES=/nowhere run render "$data/gaussian.yaml" -o plain.ppm --size 60x40
+expect_status "a snapshot in ppm, with or without OpenCV" 0
+expect "plain.ppm is a PPM of that size" [ "$(head -c 13 plain.ppm | tr '\n' ' ')$(wc -c <plain.ppm)" = 'P6 60 40 255 7213' ]
 
 run validate "$data/gaussian.yaml"
 expect_status "a checked surface, with or without CGAL" 0
