@@ -87,7 +87,7 @@ SKF_INLINE skf_vlog vd_log_one(skf_vd a) {
 #else
   skf_vd count = (skf_vd)(k | vi_set(0x4330000000000000)) - vd_set(0x1p52 + SKF_BIAS);
 #endif
-  skf_vd near = (skf_vd)((skf_vi)a + vi_set((long long)SKF_BIAS << SKF_MANTISSA) - (k << SKF_MANTISSA));
+  skf_vd near = (skf_vd)((skf_vi)a - (k << SKF_MANTISSA) + vi_set((long long)SKF_BIAS << SKF_MANTISSA));
   return (skf_vlog){count, near - vd_set(1), near + vd_set(1)};
 }
 
