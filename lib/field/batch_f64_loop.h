@@ -1,0 +1,479 @@
+/* SPDX-License-Identifier: MIT */
+/* The loops of the forms for doubles: lanes are points or elements. Included by batch_loop.h. */
+#ifndef SKF_FIELD_BATCH_F64_LOOP_H
+#define SKF_FIELD_BATCH_F64_LOOP_H
+
+/* The constants of the elements from j on, one in each lane */
+SKF_INLINE void row_load(skf_vd *row, size_t n, const double *column, size_t j) {
+#pragma GCC unroll 128
+  for (size_t k = 0; k < n; k++) row[k] = vd_load(column + k * SKF_TILE + j);
+}
+
+SKF_INLINE skf_v3d points_load(const double *const p[3], size_t i) {
+  return (skf_v3d){vd_load(p[0] + i), vd_load(p[1] + i), vd_load(p[2] + i)};
+}
+
+/* The lanes of v that are not good, by the closed form. Lane i sees element i * step. */
+static inline void lanes_closed(const skf_prepared *const *e, size_t step, bool inner, const skf_v3d *x,
+                                skf_vvalue *v) {
+  if (vi_all(v->good)) return;
+  for (size_t i = 0; i < SKF_LANES; i++) {
+    if (v->good[i]) continue;
+    skf_value c = {.F = 0}; /* not before: it takes longer than a vector */
+    skf_element_value(e[i * step], v3(x->x[i], x->y[i], x->z[i]), 1, &c);
+    double s = inner ? e[i * step]->strength : 1;
+    c.g = c.F - c.F == 0 ? v3_scale(s, c.g) : v3(0, 0, 0);
+    v->F[i] = s * c.F, v->g.x[i] = c.g.x, v->g.y[i] = c.g.y, v->g.z[i] = c.g.z;
+  }
+}
+
+SKF_INLINE void vv_put(const skf_vvalue *v, double *const out[4], size_t i) {
+  vd_store(out[0] + i, v->F);
+  vd_store(out[1] + i, v->g.x);
+  vd_store(out[2] + i, v->g.y);
+  vd_store(out[3] + i, v->g.z);
+}
+SKF_INLINE void vv_store(skf_vd strength, const skf_vvalue *v, double *const out[4], size_t i) {
+  vd_store(out[0] + i, strength * v->F);
+  vd_store(out[1] + i, strength * v->g.x);
+  vd_store(out[2] + i, strength * v->g.y);
+  vd_store(out[3] + i, strength * v->g.z);
+}
+
+/* For vectors some of whose lanes are not good: those are noted, the others kept. */
+static inline size_t lanes_note(skf_vi good, size_t i, size_t *bad, size_t bads) {
+  for (size_t k = 0; k < SKF_LANES; k++)
+    if (!good[k]) bad[bads++] = i + k;
+  return bads;
+}
+SKF_INLINE skf_vvalue vv_kept(const skf_vvalue *v) {
+  const skf_vd zero = vd_set(0);
+  return (skf_vvalue){vd_select(v->good, v->F, zero), vd3_select(v->good, v->g, (skf_v3d){zero, zero, zero}), v->good};
+}
+
+/* The points at[0], at[1], ..., the last one again in lanes from n on; values to where they belong */
+static inline skf_v3d points_gather(const double *const p[3], const size_t *at, size_t n) {
+  skf_v3d x;
+  for (size_t k = 0; k < SKF_LANES; k++) {
+    size_t i = at[k < n ? k : n - 1];
+    x.x[k] = p[0][i], x.y[k] = p[1][i], x.z[k] = p[2][i];
+  }
+  return x;
+}
+static inline void vv_scatter(double strength, const skf_vvalue *v, double *const out[4], const size_t *at, size_t n,
+                              bool more) {
+  const skf_vd part[4] = {v->F, v->g.x, v->g.y, v->g.z};
+  for (size_t k = 0; k < SKF_LANES && k < n; k++)
+    for (int c = 0; c < 4; c++) out[c][at[k]] = more ? fma(strength, part[c][k], out[c][at[k]]) : strength * part[c][k];
+}
+
+SKF_INLINE void vd_more(double *to, skf_vd strength, skf_vd v) { vd_store(to, vd_fma(strength, v, vd_load(to))); }
+SKF_INLINE void vv_add(skf_vd strength, const skf_vvalue *v, double *const out[4], size_t i) {
+  vd_more(out[0] + i, strength, v->F);
+  vd_more(out[1] + i, strength, v->g.x);
+  vd_more(out[2] + i, strength, v->g.y);
+  vd_more(out[3] + i, strength, v->g.z);
+}
+
+/* *sum += v, the rounding error kept exactly [Knuth] */
+SKF_INLINE void sum_column(skf_batch_sum *sum, int k, size_t i, skf_vd v, bool first) {
+  skf_vd a = first ? vd_set(0) : vd_load(sum->s[k] + i), low = first ? vd_set(0) : vd_load(sum->low[k] + i);
+  skf_vd s = a + v, t = s - a;
+  vd_store(sum->s[k] + i, s);
+  vd_store(sum->low[k] + i, low + ((a - (s - t)) + (v - t)));
+}
+SKF_INLINE void sum_add(skf_batch_sum *sum, size_t i, const skf_vvalue *v, bool first) {
+  sum_column(sum, 0, i, v->F, first);
+  sum_column(sum, 1, i, v->g.x, first);
+  sum_column(sum, 2, i, v->g.y, first);
+  sum_column(sum, 3, i, v->g.z, first);
+}
+
+/* sum_column for elements as lanes: the lanes from j on */
+SKF_INLINE void sum_lanes(skf_point_sum *sum, int k, size_t j, skf_vd v) {
+  skf_vd a = vd_load(sum->s[k] + j), s = a + v, t = s - a;
+  vd_store(sum->s[k] + j, s);
+  vd_store(sum->low[k] + j, vd_load(sum->low[k] + j) + ((a - (s - t)) + (v - t)));
+}
+
+/* A tile's values, all into lane 0 as name##_add does */
+SKF_INLINE void sum_tile(const skf_tile *tile, double values[4][SKF_TILE], skf_point_sum *sum) {
+  double all[4] = {0, 0, 0, 0};
+  for (size_t j = 0; j < tile->count; j++)
+    for (int k = 0; k < 4; k++) all[k] = fma(tile->column[j], values[k][j], all[k]);
+  for (int k = 0; k < 4; k++) {
+    double a = sum->s[k][0], s = a + all[k], t = s - a;
+    sum->s[k][0] = s;
+    sum->low[k][0] += (a - (s - t)) + (all[k] - t);
+  }
+}
+
+SKF_INLINE void tile_keep(const skf_tile *tile, size_t j, const skf_vvalue *v, bool exact, double values[4][SKF_TILE],
+                          skf_point_sum *sum) {
+  const skf_vd part[4] = {v->F, v->g.x, v->g.y, v->g.z};
+  for (int k = 0; k < 4; k++)
+    if (exact)
+      sum_lanes(sum, k, j, vd_load(tile->column + j) * part[k]);
+    else
+      vd_store(values[k] + j, part[k]);
+}
+
+/* The sum of a tile's values as name##_add and `total` make it. */
+SKF_INLINE void tile_total(const skf_tile *tile, double values[4][SKF_TILE], double out[4]) {
+  for (int k = 0; k < 4; k++) out[k] = 0;
+  for (size_t j = 0; j < tile->count; j++)
+    for (int k = 0; k < 4; k++) out[k] = fma(tile->column[j], values[k][j], out[k]);
+  for (int k = 1; k < 4; k++) out[k] = out[0] - out[0] == 0 ? out[k] : 0;
+}
+
+/* The lanes from n on, which see no element of their own, must not be infinite. */
+static inline void lanes_beyond(size_t n, skf_vvalue *v) {
+  for (size_t i = n; i < SKF_LANES; i++)
+    if (!v->good[i]) v->good[i] = -1, v->F[i] = v->g.x[i] = v->g.y[i] = v->g.z[i] = 0;
+}
+
+#define SKF_BATCH_COMMON(name, row_name, again, inner)                                                                 \
+  typedef row_name##_row name##_row;                                                                                   \
+  enum { name##_inner = (inner) };                                                                                     \
+  SKF_INLINE skf_vvalue name##_again(const name##_row *row, skf_v3d x) {                                               \
+    (void)row, (void)x;                                                                                                \
+    return again(row, x);                                                                                              \
+  }                                                                                                                    \
+  static double *name##_pack(const skf_prepared *e, double *k) { return row_name##_pack(e, k); }                       \
+  static                                                                                                               \
+      __attribute__((noinline)) void name##_redo_at(const skf_tile *tile, size_t j, const skf_v3d *x, skf_vvalue *v) { \
+    name##_row row;                                                                                                    \
+    row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                                 \
+    lanes_beyond(tile->count - j, v);                                                                                  \
+    if (vi_all(v->good)) return;                                                                                       \
+    skf_vvalue w = name##_again(&row, *x);                                                                             \
+    v->F = vd_select(v->good, v->F, w.F);                                                                              \
+    v->g = vd3_select(v->good, v->g, w.g);                                                                             \
+    v->good |= w.good;                                                                                                 \
+    lanes_closed(tile->element + j, 1, name##_inner, x, v);                                                            \
+  }                                                                                                                    \
+  /* the tile's values at one point, to be kept in `values` or added to `sum` */                                       \
+  SKF_INLINE void name##_across(const skf_tile *tile, const skf_vec3 *p, bool exact, double values[4][SKF_TILE],       \
+                                skf_point_sum *sum) {                                                                  \
+    const skf_v3d x = {vd_set(p->x), vd_set(p->y), vd_set(p->z)};                                                      \
+    for (size_t j = 0; j < tile->count; j += SKF_LANES) {                                                              \
+      name##_row row;                                                                                                  \
+      row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+      skf_vvalue v = name##_value(&row, x);                                                                            \
+      if (!vi_all(v.good)) {                                                                                           \
+        skf_v3d at = x;                                                                                                \
+        skf_vvalue w = v;                                                                                              \
+        name##_redo_at(tile, j, &at, &w);                                                                              \
+        v = w;                                                                                                         \
+      }                                                                                                                \
+      tile_keep(tile, j, &v, exact, values, sum);                                                                      \
+    }                                                                                                                  \
+  }                                                                                                                    \
+  static void name##_at(const skf_tile *tile, skf_vec3 p, bool exact, skf_point_sum *sum) {                            \
+    double values[4][SKF_TILE];                                                                                        \
+    name##_across(tile, &p, exact, values, sum);                                                                       \
+    if (!exact) sum_tile(tile, values, sum);                                                                           \
+  }                                                                                                                    \
+  static __attribute__((noinline)) void name##_few(const skf_tile *tile, const skf_vec3 *p, double out[4]) {           \
+    double values[4][SKF_TILE];                                                                                        \
+    name##_across(tile, p, false, values, NULL);                                                                       \
+    tile_total(tile, values, out);                                                                                     \
+  }                                                                                                                    \
+  SKF_INLINE skf_four name##_only(const skf_tile *tile, skf_vec3 p) {                                                  \
+    const skf_v3d x = {vd_set(p.x), vd_set(p.y), vd_set(p.z)};                                                         \
+    double out[4];                                                                                                     \
+    name##_row row;                                                                                                    \
+    if (tile->count == 1) {                                                                                            \
+      row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, 0);                               \
+      skf_vvalue v = name##_value(&row, x);                                                                            \
+      if (!vi_all(v.good)) {                                                                                           \
+        skf_v3d at = x;                                                                                                \
+        skf_vvalue w = v;                                                                                              \
+        name##_redo_at(tile, 0, &at, &w);                                                                              \
+        v = w;                                                                                                         \
+      }                                                                                                                \
+      return tile->column[0] * (skf_four){v.g.x[0], v.g.y[0], v.g.z[0], v.F[0]};                                       \
+    }                                                                                                                  \
+    name##_few(tile, &p, out);                                                                                         \
+    return (skf_four){out[1], out[2], out[3], out[0]};                                                                 \
+  }                                                                                                                    \
+  static void name##_lone(const skf_tile *tile, const skf_vec3 *p, double out[4]) {                                    \
+    const skf_four v = name##_only(tile, *p);                                                                          \
+    out[0] = v[3], out[1] = v[0], out[2] = v[1], out[3] = v[2];                                                        \
+  }                                                                                                                    \
+  static skf_four name##_quick(const skf_tile *tile, skf_four p) {                                                     \
+    return name##_only(tile, (skf_vec3){p[0], p[1], p[2]});                                                            \
+  }
+
+/* Two vectors at once */
+#define SKF_BATCH_PAIRS(name, inner)                                                                                   \
+  static __attribute__((noinline)) void name##_redo(const skf_tile *tile, size_t j, const double *const p[3],          \
+                                                    size_t i, skf_vvalue *v) {                                         \
+    const skf_v3d x = points_load(p, i);                                                                               \
+    name##_row row;                                                                                                    \
+    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+    skf_vvalue w = name##_again(&row, x);                                                                              \
+    v->F = vd_select(v->good, v->F, w.F);                                                                              \
+    v->g = vd3_select(v->good, v->g, w.g);                                                                             \
+    v->good |= w.good;                                                                                                 \
+    lanes_closed(tile->element + j, 0, name##_inner, &x, v);                                                           \
+  }                                                                                                                    \
+  /* The value of n = 1 or 2 vectors of points from i on */                                                            \
+  SKF_INLINE void name##_pair(const skf_tile *tile, size_t j, const name##_row *row, const double *const p[3],         \
+                              size_t i, size_t n, skf_vvalue *v) {                                                     \
+    for (size_t u = 0; u < n; u++) v[u] = name##_value(row, points_load(p, i + u * SKF_LANES));                        \
+    if (__builtin_expect(vi_all(n > 1 ? v[0].good & v[1].good : v[0].good), 1)) return;                                \
+    for (size_t u = 0; u < n; u++) {                                                                                   \
+      skf_vvalue w = v[u];                                                                                             \
+      if (vi_all(w.good)) continue;                                                                                    \
+      name##_redo(tile, j, p, i + u * SKF_LANES, &w);                                                                  \
+      v[u] = w;                                                                                                        \
+    }                                                                                                                  \
+  }                                                                                                                    \
+  SKF_INLINE void name##_one_step(const skf_tile *tile, const name##_row *row, const double *const p[3], size_t i,     \
+                                  size_t n, double *const out[4]) {                                                    \
+    const skf_vd strength = vd_set(tile->column[0]);                                                                   \
+    skf_vvalue v[2];                                                                                                   \
+    name##_pair(tile, 0, row, p, i, n, v);                                                                             \
+    for (size_t k = 0; k < n; k++) {                                                                                   \
+      if (inner)                                                                                                       \
+        vv_put(v + k, out, i + k * SKF_LANES);                                                                         \
+      else                                                                                                             \
+        vv_store(strength, v + k, out, i + k * SKF_LANES);                                                             \
+    }                                                                                                                  \
+  }                                                                                                                    \
+  static void name##_one(const skf_tile *tile, size_t n, const double *const p[3], double *const out[4]) {             \
+    double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
+    const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
+    size_t i = 0;                                                                                                      \
+    name##_row row;                                                                                                    \
+    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, 0);                               \
+    for (; i + 2 * SKF_LANES <= n; i += 2 * SKF_LANES) name##_one_step(tile, &row, in, i, 2, to);                      \
+    for (; i < n; i += SKF_LANES) name##_one_step(tile, &row, in, i, 1, to);                                           \
+  }                                                                                                                    \
+  SKF_INLINE void name##_add_step(const skf_tile *tile, const double *const p[3], size_t i, size_t n,                  \
+                                  skf_batch_sum *sum, bool first) {                                                    \
+    const double *const column = tile->column;                                                                         \
+    const size_t count = tile->count;                                                                                  \
+    skf_vvalue all[2], v[2];                                                                                           \
+    for (size_t u = 0; u < n; u++) all[u] = (skf_vvalue){.F = vd_set(0)};                                              \
+    for (size_t j = 0; j < count; j++) {                                                                               \
+      const skf_vd strength = vd_set(column[j]);                                                                       \
+      name##_row row;                                                                                                  \
+      row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), column + SKF_TILE, j);                                   \
+      name##_pair(tile, j, &row, p, i, n, v);                                                                          \
+      for (size_t k = 0; k < n; k++) {                                                                                 \
+        all[k].F = vd_fma(strength, v[k].F, all[k].F);                                                                 \
+        all[k].g = vd3_mad(all[k].g, strength, v[k].g);                                                                \
+      }                                                                                                                \
+    }                                                                                                                  \
+    for (size_t u = 0; u < n; u++) sum_add(sum, i + u * SKF_LANES, all + u, first);                                    \
+  }                                                                                                                    \
+  static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
+    const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
+    size_t i = 0;                                                                                                      \
+    for (; i + 2 * SKF_LANES <= n; i += 2 * SKF_LANES) name##_add_step(tile, in, i, 2, sum, first);                    \
+    for (; i < n; i += SKF_LANES) name##_add_step(tile, in, i, 1, sum, first);                                         \
+  }
+
+SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? vd_load(to) + v : v); }
+
+/* Four vectors at once */
+#define SKF_BATCH_FOURS(name, way)                                                                                     \
+  /* n vectors from i on, each by itself, with care where it needs it */                                               \
+  static __attribute__((noinline)) void name##_apart(                                                                  \
+      const skf_tile *tile, size_t j, size_t n, const double *const p[3], size_t i, double *const out[4], bool more) { \
+    name##_row row;                                                                                                    \
+    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+    for (size_t end = i + n * SKF_LANES; i < end; i += SKF_LANES) {                                                    \
+      const skf_v3d x = points_load(p, i);                                                                             \
+      skf_vvalue v = name##_value(&row, x);                                                                            \
+      if (!vi_all(v.good)) {                                                                                           \
+        const skf_vvalue w = name##_again(&row, x);                                                                    \
+        v.F = vd_select(v.good, v.F, w.F);                                                                             \
+        v.g = vd3_select(v.good, v.g, w.g);                                                                            \
+        v.good |= w.good;                                                                                              \
+        lanes_closed(tile->element + j, 0, true, &x, &v);                                                              \
+      }                                                                                                                \
+      if (more)                                                                                                        \
+        vv_add(vd_set(1), &v, out, i);                                                                                 \
+      else                                                                                                             \
+        vv_put(&v, out, i);                                                                                            \
+    }                                                                                                                  \
+  }                                                                                                                    \
+  SKF_INLINE void name##_some(const skf_tile *tile, size_t j, const name##_row *row, int mode, size_t n,               \
+                              const double *const p[3], size_t i, double *const out[4], bool more) {                   \
+    skf_v3d x[4];                                                                                                      \
+    skf_vd w[4], F[4], slope[4];                                                                                       \
+    SKF_EACH(u, n) x[u] = points_load(p, i + u * SKF_LANES);                                                           \
+    way##_measure(row, mode, n, x, w);                                                                                 \
+    if (__builtin_expect(!vi_all(name##_of(row, n, w, F, slope)), 0)) {                                                \
+      name##_apart(tile, j, n, p, i, out, more);                                                                       \
+      return;                                                                                                          \
+    }                                                                                                                  \
+    SKF_EACH(u, n) vd_keep(F[u], out[0] + i + u * SKF_LANES, more);                                                    \
+    SKF_EACH(u, n)                                                                                                     \
+    vd_keep(slope[u] * way##_along(row, x, p[0] + i + u * SKF_LANES), out[1] + i + u * SKF_LANES, more);               \
+    SKF_EACH(u, n)                                                                                                     \
+    vd_keep(slope[u] * way##_along(row, y, p[1] + i + u * SKF_LANES), out[2] + i + u * SKF_LANES, more);               \
+    SKF_EACH(u, n)                                                                                                     \
+    vd_keep(slope[u] * way##_along(row, z, p[2] + i + u * SKF_LANES), out[3] + i + u * SKF_LANES, more);               \
+  }                                                                                                                    \
+  /* element j at all points; out is set, or added to */                                                               \
+  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, size_t n, const double *const p[3], double *const out[4], \
+                             bool more) {                                                                              \
+    double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
+    const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
+    size_t i = 0;                                                                                                      \
+    name##_row row;                                                                                                    \
+    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+    const int mode = way##_mode(&row);                                                                                 \
+    if (mode == SKF_PLAIN)                                                                                             \
+      for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, &row, SKF_PLAIN, 4, in, i, to, more);    \
+    else                                                                                                               \
+      for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, &row, SKF_CAREFUL, 4, in, i, to, more);  \
+    for (; i < n; i += SKF_LANES) name##_some(tile, j, &row, SKF_MIXED, 1, in, i, to, more);                           \
+  }                                                                                                                    \
+  static __attribute__((noinline)) void name##_one(const skf_tile *tile, size_t n, const double *const p[3],           \
+                                                   double *const out[4]) {                                             \
+    name##_all(tile, 0, n, p, out, false);                                                                             \
+  }                                                                                                                    \
+  static __attribute__((noinline)) void name##_more(const skf_tile *tile, size_t j, size_t n,                          \
+                                                    const double *const p[3], double *const out[4]) {                  \
+    name##_all(tile, j, n, p, out, true);                                                                              \
+  }                                                                                                                    \
+  static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
+    double all[4][SKF_BATCH], *const out[4] = {all[0], all[1], all[2], all[3]};                                        \
+    name##_one(tile, n, p, out);                                                                                       \
+    for (size_t j = 1; j < tile->count; j++) name##_more(tile, j, n, p, out);                                          \
+    for (size_t i = 0; i < n; i += SKF_LANES) {                                                                        \
+      const skf_vvalue v = {vd_load(all[0] + i), {vd_load(all[1] + i), vd_load(all[2] + i), vd_load(all[3] + i)}};     \
+      sum_add(sum, i, &v, first);                                                                                      \
+    }                                                                                                                  \
+  }
+
+/* Stage after stage, for many vectors each: their chains of operations are short enough to overlap, and what is between
+   waits in memory, so that few registers are needed. A stage best ends with its roots and quotients: what waits for
+   them fills the scheduler. Nor is there a call in these loops, which would spill the constants. */
+#define SKF_BATCH_STAGES(name, woven, look, one, two, three, gather)                                                   \
+  /* some of the points by themselves, whatever lanes they came from */                                                \
+  static                                                                                                               \
+      __attribute__((noinline)) void name##_apart(const skf_tile *tile, size_t j, const double *const p[3],            \
+                                                  const size_t *at, size_t count, double *const out[4], bool more) {   \
+    name##_row row;                                                                                                    \
+    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+    for (size_t k = 0; k < count; k += SKF_LANES) {                                                                    \
+      const skf_v3d x = points_gather(p, at + k, count - k);                                                           \
+      skf_vvalue v = name##_again(&row, x);                                                                            \
+      lanes_closed(tile->element + j, 0, name##_inner, &x, &v);                                                        \
+      vv_scatter(tile->column[j], &v, out, at + k, count - k, more);                                                   \
+    }                                                                                                                  \
+  }                                                                                                                    \
+  /* element j at all points; out is set, or added to */                                                               \
+  SKF_INLINE void name##_stages(const skf_tile *tile, size_t j, size_t n, const double *const p[3],                    \
+                                double *const out[4], const bool more) {                                               \
+    double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
+    const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
+    const bool laced = (woven) == SKF_THREE_WITH_ONE, gathered = (woven) == SKF_GATHER_WITH_ONE;                       \
+    const bool twofold = laced || gathered || (woven) == SKF_WITH_ONE;                                                 \
+    const skf_vd strength = vd_set(tile->column[j]);                                                                   \
+    name##_row row;                                                                                                    \
+    name##_state room[(woven) >= SKF_WITH_ONE ? 2 : 1][SKF_FLIGHT], *old = room[0];                                    \
+    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+    size_t last = 0, next = 0, bad[(SKF_FLIGHT + 1) * SKF_LANES], bads = 0;                                            \
+    do {                                                                                                               \
+      const size_t flying = (next - last) / SKF_LANES, left = (n - next) / SKF_LANES;                                  \
+      const size_t m = left < SKF_FLIGHT ? left : SKF_FLIGHT, both = flying < m ? flying : m;                          \
+      double *const there[4] = {to[0] + last, to[1] + last, to[2] + last, to[3] + last};                               \
+      const double *const here[3] = {in[0] + next, in[1] + next, in[2] + next};                                        \
+      name##_state *const s = twofold && old == room[0] ? room[1] : room[0];                                           \
+      if (twofold) {                                                                                                   \
+        SKF_ROLLED for (size_t u = 0; u < m; u++) name##_begin(&row, points_load(here, u *SKF_LANES), s + u);          \
+      }                                                                                                                \
+      if (gathered) {                                                                                                  \
+        SKF_ROLLED for (size_t u = 0; u < m; u++) look(&row, s + u);                                                   \
+        SKF_ROLLED for (size_t u = 0; u < both; u++) {                                                                 \
+          gather(&row, old + u);                                                                                       \
+          one(&row, s + u);                                                                                            \
+        }                                                                                                              \
+        SKF_ROLLED for (size_t u = both; u < flying; u++) gather(&row, old + u);                                       \
+      }                                                                                                                \
+      if (laced) {                                                                                                     \
+        SKF_ROLLED for (size_t u = 0; u < both; u++) {                                                                 \
+          one(&row, s + u);                                                                                            \
+          three(&row, old + u);                                                                                        \
+        }                                                                                                              \
+        SKF_ROLLED for (size_t u = both; u < flying; u++) three(&row, old + u);                                        \
+      }                                                                                                                \
+      SKF_ROLLED for (size_t u = 0; u < flying; u++) {                                                                 \
+        skf_vvalue v = name##_end(&row, old + u);                                                                      \
+        if (__builtin_expect(!vi_all(v.good), 0)) {                                                                    \
+          bads = lanes_note(v.good, last + u * SKF_LANES, bad, bads);                                                  \
+          if (more) v = vv_kept(&v);                                                                                   \
+        }                                                                                                              \
+        if (more)                                                                                                      \
+          vv_add(strength, &v, there, u *SKF_LANES);                                                                   \
+        else if (name##_inner)                                                                                         \
+          vv_put(&v, there, u *SKF_LANES);                                                                             \
+        else                                                                                                           \
+          vv_store(strength, &v, there, u *SKF_LANES);                                                                 \
+        if ((woven) == SKF_WITH_BEGIN && u < m) name##_begin(&row, points_load(here, u *SKF_LANES), s + u);            \
+        if ((woven) == SKF_WITH_ONE && u < m) one(&row, s + u);                                                        \
+      }                                                                                                                \
+      if (!twofold) {                                                                                                  \
+        SKF_ROLLED for (size_t u = (woven) == SKF_WITH_BEGIN ? flying : 0; u < m; u++)                                 \
+            name##_begin(&row, points_load(here, u *SKF_LANES), s + u);                                                \
+      }                                                                                                                \
+      SKF_ROLLED for (size_t u = twofold ? both : 0; u < m; u++) one(&row, s + u);                                     \
+      SKF_ROLLED for (size_t u = 0; u < m; u++) two(&row, s + u);                                                      \
+      if (!laced) { SKF_ROLLED for (size_t u = 0; u < m; u++) three(&row, s + u); }                                    \
+      if (bads >= SKF_LANES || (bads > 0 && m == 0)) {                                                                 \
+        const size_t most = m == 0 ? bads : bads / SKF_LANES * SKF_LANES;                                              \
+        name##_apart(tile, j, in, bad, most, to, more);                                                                \
+        bads -= most;                                                                                                  \
+        for (size_t k = 0; k < bads; k++) bad[k] = bad[most + k];                                                      \
+      }                                                                                                                \
+      last = next, next += m * SKF_LANES, old = s;                                                                     \
+    } while (last < next);                                                                                             \
+  }                                                                                                                    \
+  static __attribute__((noinline)) void name##_one(const skf_tile *tile, size_t n, const double *const p[3],           \
+                                                   double *const out[4]) {                                             \
+    name##_stages(tile, 0, n, p, out, false);                                                                          \
+  }                                                                                                                    \
+  static __attribute__((noinline)) void name##_more(const skf_tile *tile, size_t j, size_t n,                          \
+                                                    const double *const p[3], double *const out[4]) {                  \
+    name##_stages(tile, j, n, p, out, true);                                                                           \
+  }                                                                                                                    \
+  static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
+    double all[4][SKF_BATCH], *const out[4] = {all[0], all[1], all[2], all[3]};                                        \
+    for (int k = 0; k < 4; k++) memset(all[k], 0, n * sizeof(double));                                                 \
+    for (size_t j = 0; j < tile->count; j++) name##_more(tile, j, n, p, out);                                          \
+    for (size_t i = 0; i < n; i += SKF_LANES) {                                                                        \
+      const skf_vvalue v = {vd_load(all[0] + i), {vd_load(all[1] + i), vd_load(all[2] + i), vd_load(all[3] + i)}};     \
+      sum_add(sum, i, &v, first);                                                                                      \
+    }                                                                                                                  \
+  }
+
+static inline void batch_total(size_t n, const skf_batch_sum *sum, int k, double *out) {
+  for (size_t i = 0; i < n; i += SKF_LANES) {
+    skf_vd F = vd_load(sum->s[0] + i), s = vd_load(sum->s[k] + i), low = vd_load(sum->low[k] + i), zero = vd_set(0);
+    skf_vd v = vd_select(s - s == zero, s + low, s), kept = k == 0 ? v : vd_select(F - F == zero, v, zero);
+    if (n - i >= SKF_LANES)
+      vd_store(out + i, kept);
+    else
+      memcpy(out + i, &kept, (n - i) * sizeof(double));
+  }
+}
+
+/* Its row in the table of an instruction set */
+#define SKF_BATCH_ENTRY(name)                                                                                          \
+  [SKF_FORM_##name] = {sizeof(name##_row) / sizeof(skf_vd) + 1,                                                        \
+                       name##_pack,                                                                                    \
+                       name##_one,                                                                                     \
+                       name##_add,                                                                                     \
+                       name##_at,                                                                                      \
+                       name##_lone,                                                                                    \
+                       name##_quick,                                                                                   \
+                       name##_inner},
+
+#endif
