@@ -67,8 +67,6 @@ int cli_out_open(cli_out *o, const char *path); /* CLI_DONE, or CLI_FAILED after
 int cli_out_name(cli_out *o, const char *path);
 int cli_out_commit(cli_out *o); /* flushes, syncs, checks for errors, renames */
 void cli_out_abort(cli_out *o);
-/* Whether two names are one regular file, now or when both have been written. */
-bool cli_same_file(const char *a, const char *b);
 /* Whether an operand, or an option of those that name files, names this one. */
 bool cli_names(const cli *c, const char *path);
 

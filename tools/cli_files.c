@@ -17,7 +17,8 @@ static void true_name(const char *path, char out[PATH_MAX]) {
   snprintf(out + n, PATH_MAX - n, "/%s", name);
 }
 
-bool cli_same_file(const char *a, const char *b) {
+/* Whether two names are one regular file, now or when both have been written. */
+static bool same_file(const char *a, const char *b) {
   char x[PATH_MAX], y[PATH_MAX];
   struct stat s, t;
   if (strcmp(a, "-") == 0 || strcmp(b, "-") == 0) return false;
@@ -30,14 +31,14 @@ bool cli_same_file(const char *a, const char *b) {
 static const char *find(const cli *c, const char *const *options, const char *const *end, const char *path) {
   for (; options && options != end && *options; options++) {
     const char *other = cli_value(c, *options);
-    if (other && cli_same_file(other, path)) return *options;
+    if (other && same_file(other, path)) return *options;
   }
   return NULL;
 }
 
 static bool is_operand(const cli *c, const char *path) {
   int i = 0;
-  while (i < c->operand_count && !cli_same_file(c->operands[i], path)) i++;
+  while (i < c->operand_count && !same_file(c->operands[i], path)) i++;
   return i < c->operand_count;
 }
 
