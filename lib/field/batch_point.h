@@ -72,19 +72,13 @@ SKF_INLINE skf_vi gaussian_point_of(const gaussian_row *c, size_t n, const skf_v
   return good;
 }
 
-/* R^2 - |d|^2. Next to the rim the plain difference loses R^2 / q; there d and the squares are taken exactly, but for
-   floats, where this is what rounding the point does. */
+/* R^2 - |d|^2. Next to the rim the plain difference loses R^2 / q, but for floats, where this is what rounding the
+   point does. */
 SKF_INLINE skf_vd point_power(const point_row *c, skf_v3d x, skf_v3d d, skf_vd w) {
-  skf_vd R = c->param, R2 = c->param2, q = R2 - w;
-  skf_vi rim = vd_set(32) * vd_abs(q) < R2;
+  skf_vd q = c->param2 - w;
+  skf_vi rim = vd_set(32) * vd_abs(q) < c->param2;
   if ((int)SKF_PICK(0, 1) || !vi_any(rim)) return q;
-  skf_v3d lo = vd3_lost(c->at, x, d);
-  skf_vd pz = d.z * d.z, py = d.y * d.y, px = d.x * d.x;
-  skf_vd s = R2 - px, t = s - py, last = t - pz;
-  skf_vd low = vd_fms(R, R, R2) + (vd_lost(R2, px, s) + vd_lost(s, py, t) + vd_lost(t, pz, last));
-  low -= vd_fms(d.x, d.x, px) + vd_fms(d.y, d.y, py) + vd_fms(d.z, d.z, pz);
-  low = vd_fnma(vd_set(2), vd3_dot(d, lo), low);
-  return vd_select(rim, last + low, q);
+  return vd_select(rim, power_exact(c->param, c->at, x, d), q);
 }
 
 /* Whether the plain difference, m times a power of two near 1, is far enough from 0: at 2^-10 it leaves some 5e-13 of
