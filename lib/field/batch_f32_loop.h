@@ -51,10 +51,7 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
     const skf_v3d x = points_load(p, i);                                                                               \
     name##_row row;                                                                                                    \
     row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
-    skf_vvalue w = again(&row, x);                                                                                     \
-    v->F = vd_select(v->good, v->F, w.F);                                                                              \
-    v->g = vd3_select(v->good, v->g, w.g);                                                                             \
-    v->good |= w.good;                                                                                                 \
+    vv_take(v, again(&row, x));                                                                                        \
     lanes_closed(tile->element[j], name##_inner, &x, v);                                                               \
   }
 

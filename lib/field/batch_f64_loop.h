@@ -146,10 +146,7 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     row_load((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                                 \
     lanes_beyond(tile->count - j, v);                                                                                  \
     if (vi_all(v->good)) return;                                                                                       \
-    skf_vvalue w = name##_again(&row, *x);                                                                             \
-    v->F = vd_select(v->good, v->F, w.F);                                                                              \
-    v->g = vd3_select(v->good, v->g, w.g);                                                                             \
-    v->good |= w.good;                                                                                                 \
+    vv_take(v, name##_again(&row, *x));                                                                                \
     lanes_closed(tile->element + j, 1, name##_inner, x, v);                                                            \
   }                                                                                                                    \
   /* the tile's values at one point, to be kept in `values` or added to `sum` */                                       \
@@ -212,10 +209,7 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     const skf_v3d x = points_load(p, i);                                                                               \
     name##_row row;                                                                                                    \
     row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
-    skf_vvalue w = name##_again(&row, x);                                                                              \
-    v->F = vd_select(v->good, v->F, w.F);                                                                              \
-    v->g = vd3_select(v->good, v->g, w.g);                                                                             \
-    v->good |= w.good;                                                                                                 \
+    vv_take(v, name##_again(&row, x));                                                                                 \
     lanes_closed(tile->element + j, 0, name##_inner, &x, v);                                                           \
   }                                                                                                                    \
   /* The value of n = 1 or 2 vectors of points from i on */                                                            \
@@ -276,6 +270,26 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     for (; i < n; i += SKF_LANES) name##_add_step(tile, in, i, 1, sum, first);                                         \
   }
 
+/* From NAME_all, which sets values or adds to them: those of one element, and the sum of a tile's. */
+#define SKF_BATCH_WHOLE(name)                                                                                          \
+  static __attribute__((noinline)) void name##_one(const skf_tile *tile, size_t n, const double *const p[3],           \
+                                                   double *const out[4]) {                                             \
+    name##_all(tile, 0, n, p, out, false);                                                                             \
+  }                                                                                                                    \
+  static __attribute__((noinline)) void name##_more(const skf_tile *tile, size_t j, size_t n,                          \
+                                                    const double *const p[3], double *const out[4]) {                  \
+    name##_all(tile, j, n, p, out, true);                                                                              \
+  }                                                                                                                    \
+  static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
+    double all[4][SKF_BATCH], *const out[4] = {all[0], all[1], all[2], all[3]};                                        \
+    name##_one(tile, n, p, out);                                                                                       \
+    for (size_t j = 1; j < tile->count; j++) name##_more(tile, j, n, p, out);                                          \
+    for (size_t i = 0; i < n; i += SKF_LANES) {                                                                        \
+      const skf_vvalue v = {vd_load(all[0] + i), {vd_load(all[1] + i), vd_load(all[2] + i), vd_load(all[3] + i)}};     \
+      sum_add(sum, i, &v, first);                                                                                      \
+    }                                                                                                                  \
+  }
+
 SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? vd_load(to) + v : v); }
 
 /* Four vectors at once */
@@ -289,10 +303,7 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
       const skf_v3d x = points_load(p, i);                                                                             \
       skf_vvalue v = name##_value(&row, x);                                                                            \
       if (!vi_all(v.good)) {                                                                                           \
-        const skf_vvalue w = name##_again(&row, x);                                                                    \
-        v.F = vd_select(v.good, v.F, w.F);                                                                             \
-        v.g = vd3_select(v.good, v.g, w.g);                                                                            \
-        v.good |= w.good;                                                                                              \
+        vv_take(&v, name##_again(&row, x));                                                                            \
         lanes_closed(tile->element + j, 0, true, &x, &v);                                                              \
       }                                                                                                                \
       if (more)                                                                                                        \
@@ -334,23 +345,7 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
       for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, &row, SKF_CAREFUL, 4, in, i, to, more);  \
     for (; i < n; i += SKF_LANES) name##_some(tile, j, &row, SKF_MIXED, 1, in, i, to, more);                           \
   }                                                                                                                    \
-  static __attribute__((noinline)) void name##_one(const skf_tile *tile, size_t n, const double *const p[3],           \
-                                                   double *const out[4]) {                                             \
-    name##_all(tile, 0, n, p, out, false);                                                                             \
-  }                                                                                                                    \
-  static __attribute__((noinline)) void name##_more(const skf_tile *tile, size_t j, size_t n,                          \
-                                                    const double *const p[3], double *const out[4]) {                  \
-    name##_all(tile, j, n, p, out, true);                                                                              \
-  }                                                                                                                    \
-  static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
-    double all[4][SKF_BATCH], *const out[4] = {all[0], all[1], all[2], all[3]};                                        \
-    name##_one(tile, n, p, out);                                                                                       \
-    for (size_t j = 1; j < tile->count; j++) name##_more(tile, j, n, p, out);                                          \
-    for (size_t i = 0; i < n; i += SKF_LANES) {                                                                        \
-      const skf_vvalue v = {vd_load(all[0] + i), {vd_load(all[1] + i), vd_load(all[2] + i), vd_load(all[3] + i)}};     \
-      sum_add(sum, i, &v, first);                                                                                      \
-    }                                                                                                                  \
-  }
+  SKF_BATCH_WHOLE(name)
 
 /* Stage after stage, for many vectors each: their chains of operations are short enough to overlap, and what is between
    waits in memory, so that few registers are needed. A stage best ends with its roots and quotients: what waits for
@@ -370,8 +365,8 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
     }                                                                                                                  \
   }                                                                                                                    \
   /* element j at all points; out is set, or added to */                                                               \
-  SKF_INLINE void name##_stages(const skf_tile *tile, size_t j, size_t n, const double *const p[3],                    \
-                                double *const out[4], const bool more) {                                               \
+  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, size_t n, const double *const p[3], double *const out[4], \
+                             const bool more) {                                                                        \
     double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
     const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
     const bool laced = (woven) == SKF_THREE_WITH_ONE, gathered = (woven) == SKF_GATHER_WITH_ONE;                       \
@@ -436,23 +431,7 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
       last = next, next += m * SKF_LANES, old = s;                                                                     \
     } while (last < next);                                                                                             \
   }                                                                                                                    \
-  static __attribute__((noinline)) void name##_one(const skf_tile *tile, size_t n, const double *const p[3],           \
-                                                   double *const out[4]) {                                             \
-    name##_stages(tile, 0, n, p, out, false);                                                                          \
-  }                                                                                                                    \
-  static __attribute__((noinline)) void name##_more(const skf_tile *tile, size_t j, size_t n,                          \
-                                                    const double *const p[3], double *const out[4]) {                  \
-    name##_stages(tile, j, n, p, out, true);                                                                           \
-  }                                                                                                                    \
-  static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
-    double all[4][SKF_BATCH], *const out[4] = {all[0], all[1], all[2], all[3]};                                        \
-    for (int k = 0; k < 4; k++) memset(all[k], 0, n * sizeof(double));                                                 \
-    for (size_t j = 0; j < tile->count; j++) name##_more(tile, j, n, p, out);                                          \
-    for (size_t i = 0; i < n; i += SKF_LANES) {                                                                        \
-      const skf_vvalue v = {vd_load(all[0] + i), {vd_load(all[1] + i), vd_load(all[2] + i), vd_load(all[3] + i)}};     \
-      sum_add(sum, i, &v, first);                                                                                      \
-    }                                                                                                                  \
-  }
+  SKF_BATCH_WHOLE(name)
 
 static inline void batch_total(size_t n, const skf_batch_sum *sum, int k, double *out) {
   for (size_t i = 0; i < n; i += SKF_LANES) {

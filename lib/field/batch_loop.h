@@ -93,6 +93,13 @@ SKF_INLINE skf_vd vd3_dot_exact(skf_v3d d, skf_v3d lo, skf_v3d b) {
   return sum + (low + vd3_dot(lo, b));
 }
 
+/* Where v is not good, w. */
+SKF_INLINE void vv_take(skf_vvalue *v, skf_vvalue w) {
+  v->F = vd_select(v->good, v->F, w.F);
+  v->g = vd3_select(v->good, v->g, w.g);
+  v->good |= w.good;
+}
+
 SKF_INLINE skf_vvalue vv_scale(skf_vd s, skf_vvalue v) { return (skf_vvalue){s * v.F, vd3_scale(s, v.g), v.good}; }
 
 /* For NAME_pack */
