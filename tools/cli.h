@@ -43,10 +43,11 @@ int cli_fail_status(skf_status status, const char *what);
 /* Talk on stderr, without a prefix. */
 void cli_say(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Reads a scene; on failure the message is out and CLI_BAD is returned. */
-int cli_scene(const char *path, skf_scene **out);
+/* Reads a scene; on failure the message is out and CLI_BAD is returned, also where an option writes a file that the
+   scene names. */
+int cli_scene(const cli *c, const char *path, skf_scene **out);
 /* The same with its animated numbers as they are at a time, without warnings. */
-int cli_scene_at(const char *path, double time, skf_scene **out);
+int cli_scene_at(const cli *c, const char *path, double time, skf_scene **out);
 /* Makes the bodies' fields anew to the --accuracy that is given; where none is, to 1e-12 those that are so large that
    it saves time at so many points. *made: whether any was. */
 int cli_accuracy(const cli *c, skf_scene *scene, size_t points, bool *made);

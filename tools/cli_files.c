@@ -46,6 +46,12 @@ bool cli_names(const cli *c, const char *path) {
   return is_operand(c, path) || find(c, c->command->writes, NULL, path) || find(c, c->command->reads, NULL, path);
 }
 
+int cli_check_read(const cli *c, const char *path) {
+  const char *option = find(c, c->command->writes, NULL, path);
+  return option ? cli_fail(CLI_BAD, "--%s %s is read, too, expected another file", option, cli_value(c, option))
+                : CLI_DONE;
+}
+
 int cli_check_files(const cli *c) {
   for (const char *const *option = c->command->writes; option && *option; option++) {
     const char *path = cli_value(c, *option), *other;

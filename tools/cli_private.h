@@ -27,6 +27,8 @@ int cli_parse(cli *c, const cli_command *command, int argc, char **argv);
 
 /* Whether each file that is written is named once, and not read. CLI_DONE or CLI_BAD after the message. */
 int cli_check_files(const cli *c);
+/* Whether a file that is read besides those is written by no option; likewise. */
+int cli_check_read(const cli *c, const char *path);
 
 void cli_help_program(FILE *f);
 void cli_help_command(FILE *f, const cli_command *command);

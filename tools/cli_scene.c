@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scenes and bodies that a command line names. */
-#include "cli.h"
+#include "cli_private.h"
 #include "adapt/polygon.h"
 #include <string.h>
 
@@ -15,17 +15,25 @@ static void warn(const char *path, const skf_scene *scene) {
   }
 }
 
-int cli_scene(const char *path, skf_scene **out) {
-  int status = cli_scene_at(path, 0, out);
+int cli_scene(const cli *c, const char *path, skf_scene **out) {
+  int status = cli_scene_at(c, path, 0, out);
   if (!status) warn(path, *out);
   return status;
 }
 
-int cli_scene_at(const char *path, double time, skf_scene **out) {
+/* No option writes a file that it names. */
+static int check_files(const cli *c, skf_scene **scene) {
+  int status = CLI_DONE;
+  for (size_t i = 0; i < (*scene)->file_count && !status; i++) status = cli_check_read(c, (*scene)->files[i]);
+  if (status) skf_scene_free(*scene), *scene = NULL;
+  return status;
+}
+
+int cli_scene_at(const cli *c, const char *path, double time, skf_scene **out) {
   skf_error e;
   const skf_scene_hooks hooks = {.cut_rings = polygon_cutter(), .time = time};
   skf_status s = skf_scene_read_with(path, &hooks, out, &e);
-  if (!s) return CLI_DONE;
+  if (!s) return check_files(c, out);
   if (e.file[0]) path = e.file;
   if (e.line > 0) return cli_fail(CLI_BAD, "%s:%ld: %s", path, e.line, e.text);
   return cli_fail(s == SKF_ERR_NOMEM ? CLI_FAILED : CLI_BAD, "%s: %s", path, e.text);

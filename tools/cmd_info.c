@@ -44,7 +44,7 @@ const char *info_contact(skf_contact_mode mode) {
 static int run(cli *c) {
   skf_scene *scene;
   const char *path = cli_operand(c, 0);
-  int status = cli_scene(path, &scene);
+  int status = cli_scene(c, path, &scene);
   if (status != CLI_DONE) return status;
   cli_out out;
   status = cli_out_open(&out, cli_value(c, "output"));

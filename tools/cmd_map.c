@@ -138,7 +138,7 @@ static int write_csv(map_job *j) {
 static int work(map_job *j) {
   bool ignored;
   int status = parse(j);
-  if (!status) status = cli_scene(cli_operand(j->c, 0), &j->scene);
+  if (!status) status = cli_scene(j->c, cli_operand(j->c, 0), &j->scene);
   if (!status) status = run_read(cli_value(j->c, "orbits"), cli_value(j->c, "contacts"), &j->run);
   if (!status && j->format) status = open_canvas(j);
   if (!status) status = lay_out(j);

@@ -68,7 +68,7 @@ static int run_with(const cli *c, const skf_scene *scene) {
 
 static int run(cli *c) {
   skf_scene *scene;
-  int status = cli_scene(cli_operand(c, 0), &scene);
+  int status = cli_scene(c, cli_operand(c, 0), &scene);
   if (status == CLI_DONE) status = run_with(c, scene);
   skf_scene_free(scene);
   return status;

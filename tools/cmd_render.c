@@ -86,10 +86,10 @@ static int write_picture(render_job *j) {
 
 static int work(render_job *j) {
   int status = parse(j);
-  if (!status) status = cli_scene(cli_operand(j->c, 0), &j->scene);
+  if (!status) status = cli_scene(j->c, cli_operand(j->c, 0), &j->scene);
   if (!status && j->scene->animated_until > -INFINITY && j->time != 0) {
     skf_scene_free(j->scene), j->scene = NULL;
-    status = cli_scene_at(cli_operand(j->c, 0), j->time, &j->scene);
+    status = cli_scene_at(j->c, cli_operand(j->c, 0), j->time, &j->scene);
   }
   if (!status) status = run_read(cli_value(j->c, "orbits"), cli_value(j->c, "contacts"), &j->run);
   if (!status) status = run_bodies_read(cli_value(j->c, "bodies"), j->scene, &j->moved);

@@ -9,7 +9,7 @@ static int run(cli *c) {
   int status = team_join(&crew);
   if (status != CLI_DONE) return status;
   const char *path = cli_operand(c, 0);
-  status = cli_scene(path, &scene);
+  status = cli_scene(c, path, &scene);
   bool move = status == CLI_DONE && bodies_move(scene);
   if (move && crew.size > 1)
     status = cli_fail(CLI_BAD, "%s: bodies move, which %d processes cannot share, expected one", path, crew.size);

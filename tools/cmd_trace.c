@@ -162,7 +162,7 @@ static int run_with(const cli *c, trace *t) {
 
 static int run(cli *c) {
   skf_scene *scene;
-  int status = cli_scene(cli_operand(c, 0), &scene);
+  int status = cli_scene(c, cli_operand(c, 0), &scene);
   if (status != CLI_DONE) return status;
   trace t = {.scene = scene, .first = cli_given(c, "first")};
   status = run_with(c, &t);

@@ -100,7 +100,7 @@ static int scene_file(const cli *c, const char *path, report *r) {
   const char *name = cli_value(c, "body");
   double edge = 0;
   int status = cli_number(c, "edge", 0, &edge);
-  if (status == CLI_DONE) status = cli_scene(path, &scene);
+  if (status == CLI_DONE) status = cli_scene(c, path, &scene);
   if (status != CLI_DONE) return status;
   int only = name ? cli_body(scene, name) : -1;
   if (name && only < 0) status = CLI_BAD;

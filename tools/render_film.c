@@ -58,7 +58,7 @@ static int advance(render_job *j, bool own_camera) {
     render_release(j);
     skf_scene_free(j->scene), j->scene = NULL;
     j->rgb = rgb, j->depth = depth;
-    status = cli_scene_at(cli_operand(j->c, 0), j->time, &j->scene);
+    status = cli_scene_at(j->c, cli_operand(j->c, 0), j->time, &j->scene);
     if (!status) status = render_bodies(j);
     if (!status) status = render_images(j);
   }

@@ -112,20 +112,17 @@ static skf_status expand_box(skf_reader *r, const skf_entry *e, skf_pieces *into
 
 /* Its messages get the file's name in front, and what was expected where they do not tell. */
 skf_status skf_read_mesh(skf_reader *r, const skf_node *file, skf_mesh *mesh) {
-  const char *name = skf_node_text(&r->yaml, file);
-  size_t size = strlen(r->folder) + strlen(name) + 2;
-  char *path = skf_alloc(size, 1);
-  if (!path) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
-  snprintf(path, size, "%s%s%s", *name == '/' ? "" : r->folder, *name == '/' ? "" : "/", name);
+  const char *path, *name = skf_node_text(&r->yaml, file);
+  skf_status s = skf_file_path(r, file, &path);
+  if (s) return s;
   struct stat about;
   int gone = stat(path, &about) ? errno : 0;
   skf_error why = {0};
-  skf_status s = SKF_ERR_IO;
+  s = SKF_ERR_IO;
   if (gone || !S_ISREG(about.st_mode)) /* a pipe or a device would be read for ever */
     snprintf(why.text, sizeof why.text, "%s", gone ? strerror(gone) : "not a regular file");
   else
     s = skf_mesh_read(path, mesh, &why);
-  skf_free(path);
   if (s == SKF_ERR_NOMEM) return skf_error_set(r->error, s, 0, "out of memory");
   if (!s) return s;
   char line[32] = "";

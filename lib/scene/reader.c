@@ -243,3 +243,16 @@ skf_status skf_read_map(skf_reader *r, const skf_node *map, const skf_section *s
   if (given) *given = seen;
   return missing_key(r, map, section, seen);
 }
+
+skf_status skf_file_path(skf_reader *r, const skf_node *file, const char **path) {
+  skf_scene *scene = r->scene;
+  const char *name = skf_node_text(&r->yaml, file);
+  size_t size = strlen(r->folder) + strlen(name) + 2;
+  char **more = skf_realloc(scene->files, scene->file_count + 1, sizeof *more);
+  if (more) scene->files = more;
+  char *text = more ? skf_alloc(size, 1) : NULL;
+  if (!text) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
+  snprintf(text, size, "%s%s%s", *name == '/' ? "" : r->folder, *name == '/' ? "" : "/", name);
+  *path = scene->files[scene->file_count++] = text;
+  return SKF_OK;
+}

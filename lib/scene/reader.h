@@ -78,6 +78,9 @@ skf_status skf_read_vector(skf_reader *r, const skf_node *node, const skf_key *k
 skf_status skf_read_color(skf_reader *r, const skf_node *node, const char *name, double out[3]);
 skf_status skf_read_name(skf_reader *r, const skf_node *node, const skf_key *key, char **out);
 
+/* Where a file is that the scene names: relative names are in the scene's folder. The scene keeps and frees it. */
+skf_status skf_file_path(skf_reader *r, const skf_node *file, const char **path);
+
 /* The value of a key in a map, or NULL. */
 const skf_node *skf_map_find(const skf_reader *r, const skf_node *map, const char *key);
 /* The line of a key's value, or of the map when the key is absent. */

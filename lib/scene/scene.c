@@ -253,7 +253,9 @@ void skf_scene_free(skf_scene *scene) {
   skf_free(scene->particles);
   skf_free(scene->lights);
   skf_free(scene->forces);
-  for (size_t i = 0; i < scene->image_count; i++) skf_free(scene->images[i]->path), skf_free(scene->images[i]);
+  for (size_t i = 0; i < scene->image_count; i++) skf_free(scene->images[i]);
   skf_free(scene->images);
+  for (size_t i = 0; i < scene->file_count; i++) skf_free(scene->files[i]);
+  skf_free(scene->files);
   skf_free(scene);
 }

@@ -20,7 +20,8 @@ typedef struct start {
 
 typedef struct table {
   skf_reader *r;
-  char *path, *line;
+  const char *path;
+  char *line;
   size_t line_room;
   long number;
   int order[COLUMNS], columns; /* column k of the file is titles[order[k]] */
@@ -164,20 +165,19 @@ static skf_status add_rows(table *t, const char *name, long line) {
 
 skf_status skf_add_starts(skf_reader *r, const skf_node *file, const char *name, long line) {
   const char *text = skf_node_text(&r->yaml, file);
-  size_t size = strlen(r->folder) + strlen(text) + 2;
-  table t = {.r = r, .path = skf_alloc(size, 1)};
-  if (!t.path) return no_memory(&t);
-  snprintf(t.path, size, "%s%s%s", *text == '/' ? "" : r->folder, *text == '/' ? "" : "/", text);
+  table t = {.r = r};
+  skf_status s = skf_file_path(r, file, &t.path);
+  if (s) return s;
   struct stat about;
   errno = 0;
   bool regular = stat(t.path, &about) == 0 && S_ISREG(about.st_mode); /* a pipe would be read for ever */
   FILE *f = regular ? fopen(t.path, "rb") : NULL;
-  skf_status s = f ? read_rows(&t, f)
-                   : skf_error_set(r->error, SKF_ERR_IO, file->line, "file %s: %s, expected a CSV file",
-                                   skf_show(text).text, errno ? strerror(errno) : "not a regular file");
+  s = f ? read_rows(&t, f)
+        : skf_error_set(r->error, SKF_ERR_IO, file->line, "file %s: %s, expected a CSV file", skf_show(text).text,
+                        errno ? strerror(errno) : "not a regular file");
   if (f) fclose(f);
   if (!s) s = add_rows(&t, name, line);
-  skf_free(t.path), skf_free(t.rows), skf_free(t.pool);
+  skf_free(t.rows), skf_free(t.pool);
   free(t.line);
   return s;
 }

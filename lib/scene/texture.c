@@ -65,17 +65,13 @@ const skf_section skf_section_texture = {
 /* The scene keeps the picture's name. */
 static skf_status keep_image(skf_reader *r, const skf_node *file, skf_texture *t) {
   skf_scene *scene = r->scene;
+  const char *path;
+  skf_status s = skf_file_path(r, file, &path);
+  if (s) return s;
   skf_scene_image **more = skf_realloc(scene->images, scene->image_count + 1, sizeof *more);
   if (more) scene->images = more;
   skf_scene_image *image = more ? skf_alloc(1, sizeof *image) : NULL;
-  const char *name = skf_node_text(&r->yaml, file);
-  size_t size = strlen(r->folder) + strlen(name) + 2;
-  char *path = image ? skf_alloc(size, 1) : NULL;
-  if (!path) return skf_free(image), skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
-  if (*name == '/')
-    strcpy(path, name);
-  else
-    snprintf(path, size, "%s/%s", r->folder, name);
+  if (!image) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
   *image = (skf_scene_image){.path = path, .line = file->line};
   scene->images[scene->image_count++] = image;
   t->image = &image->pixels;

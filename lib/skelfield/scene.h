@@ -82,7 +82,7 @@ typedef struct skf_simulation {
 /* A picture that textures refer to. The scene knows its name alone; who reads it puts the pixels here, and frees them.
  */
 typedef struct skf_scene_image {
-  char *path;
+  const char *path; /* one of scene->files */
   long line;
   skf_image pixels; /* rgb is NULL until then */
 } skf_scene_image;
@@ -112,6 +112,8 @@ typedef struct skf_scene {
   skf_fog fog;
   size_t image_count;
   skf_scene_image **images;
+  size_t file_count;
+  char **files;          /* that it names: meshes and starts, which were read, and pictures */
   double animated_until; /* time of the last key of `animate` [T]; -INFINITY: nothing is animated */
 } skf_scene;
 

@@ -72,4 +72,18 @@ run mesh plane.yaml -o a.ply
 expect_status "an endless surface fails" 1
 expect_err "it says why" "body 'ground': .*reaches to infinity"
 expect_nothing_written "and writes nothing"
+
+mkdir below
+cp one.off below/ball.off
+write below/solid.yaml <<'END'
+skelfield: 1
+bodies:
+  - name: solid
+    iso: 1
+    skeleton: [{solid: {file: ball.off}}]
+END
+run mesh below/solid.yaml -o below/ball.off
+expect_refused "the mesh that a scene names" "--output below/ball.off is read, too, expected another file"
+cmp -s one.off below/ball.off
+check "it is as it was" [ $? = 0 ]
 tap_done
