@@ -3,27 +3,21 @@
    vector form, beside the closed form at each point; the same textbook formula with the functions of libm, of glibc's
    vector library and of SLEEF (1 ulp), straightforwardly and once more with the geometry that keeps the digits next to
    the body, and the largest relative errors of all against long double; the cost of a batch of one point; batches in
-   main memory; two threads. Least of many interleaved runs; it only reports. With arguments, of the table only the rows
-   whose names contain one of them ("cauchy arc"). */
+   main memory; two threads. Interleaved samples of a core at rest (quiet.h); it only reports. With arguments, of the
+   table only the rows whose names contain one of them ("cauchy arc"). */
 #include "core/vec3.h"
 #include "field/batch.h"
+#include "quiet.h"
 #include "simd/vec.h"
 #include "skelfield/field.h"
 #include <omp.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#ifdef __linux__
-#include <linux/perf_event.h>
-#include <sys/syscall.h>
-#include <unistd.h>
-#endif
 #ifdef SKF_HAVE_SLEEF
 #include <sleef.h>
 #endif
 
-enum { POINTS = 1024, PAD = 24, RUNS = 150, IN_A_ROW = 4, HUGE_POINTS = 2000000, FORMULAS = 10 };
+enum { POINTS = 1024, PAD = 24, RUNS = 30, SECONDS = 3, IN_A_ROW = 4, HUGE_POINTS = 2000000, FORMULAS = 10 };
 
 static double p[3][POINTS + PAD], F[4][POINTS + PAD]; /* padded: rows a multiple of 4096 bytes apart disturb */
 static long double exact[4][POINTS];
@@ -135,36 +129,8 @@ static const struct {
 };
 enum { LIBRARIES = sizeof libraries / sizeof *libraries };
 
-static double now(clockid_t clock) {
-  struct timespec t;
-  clock_gettime(clock, &t);
-  return (double)t.tv_sec * 1e9 + (double)t.tv_nsec;
-}
-static double cpu(void) { return now(CLOCK_THREAD_CPUTIME_ID); }
+static quiet_state quiet;
 static void keep(double *best, double ns) { *best = fmin(*best, ns); }
-
-/* ns of a cycle, by a chain of additions. The clock now and then jumps: not the least of all, but of nine tenths. */
-enum { SAMPLES = 200 };
-static double samples[SAMPLES], cycle_ns, read_ns = INFINITY;
-static int ascending(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-static void calibrate(void) {
-  enum { CHAIN = 4000 };
-  for (int k = 0; k < SAMPLES; k++) {
-    double t = cpu();
-    keep(&read_ns, cpu() - t);
-    unsigned long a = 1;
-    t = cpu();
-    for (int i = 0; i < CHAIN; i++) {
-      __asm__ volatile("add $1, %0\n add $1, %0\n add $1, %0\n add $1, %0\n add $1, %0" : "+r"(a));
-    }
-    samples[k] = (cpu() - t - read_ns) / (5 * CHAIN);
-  }
-  qsort(samples, SAMPLES, sizeof *samples, ascending);
-  cycle_ns = samples[SAMPLES / 10];
-}
 
 /* other: a full circle, a plane whose normal is along no axis */
 static skf_primitive unit(skf_shape shape, bool other) {
@@ -225,73 +191,65 @@ static void title(const char *name, const skf_element *e) {
   printf("%-16s %-12s", skf_kernel_get(e->kernel.type)->name, name);
 }
 
-/* Cycles of this thread outside of the kernel, 0 where they cannot be counted */
-static int counter = -1;
-static void count_cycles(void) {
-#ifdef __linux__
-  struct perf_event_attr a = {.type = PERF_TYPE_HARDWARE, .config = PERF_COUNT_HW_CPU_CYCLES};
-  a.size = sizeof a, a.exclude_kernel = 1, a.exclude_hv = 1;
-  counter = (int)syscall(SYS_perf_event_open, &a, 0, -1, -1, 0);
-#endif
-}
-static double cycles(void) {
-  unsigned long long count = 0;
-#ifdef __linux__
-  if (counter >= 0 && read(counter, &count, sizeof count) != sizeof count) count = 0;
-#endif
-  return (double)count;
-}
-
-static void repeat(const skf_field *f, void (*run)(size_t)) {
-  for (int k = 0; k < IN_A_ROW; k++)
-    if (f)
-      eval(f, POINTS);
-    else
-      run(POINTS);
-}
-
 /* The errors of what lies in F, in `exact` the formula */
 static void print_error(void) {
   error e = compare();
   printf("  %7.1e %7.1e", e.F, e.g);
 }
 
+/* One sample, between two loops that tell whether it may be kept */
+static void sample(quiet_series *s, const skf_field *f, void (*run)(size_t), size_t n, int in_a_row) {
+  quiet_start(&quiet);
+  for (int k = 0; k < in_a_row; k++)
+    if (f)
+      eval(f, n);
+    else
+      run(n);
+  const double cycles = quiet_stop(&quiet);
+  quiet_keep(s, cycles / in_a_row / (double)n, quiet_probe(&quiet));
+}
+
+/* All that is measured of a row */
+typedef struct timing {
+  quiet_series scalar, vector, other[2][LIBRARIES];
+} timing;
+
+static bool all_enough(const timing *t, int ways) {
+  bool enough = quiet_enough(&t->scalar) && quiet_enough(&t->vector);
+  for (int k = 0; k < ways * LIBRARIES; k++) enough &= quiet_enough(&t->other[k % ways][k / ways]);
+  return enough;
+}
+
+static void measure(timing *t, const skf_field *scalar, const skf_field *vector, int formula, int ways) {
+  quiet_clear(&t->scalar), quiet_clear(&t->vector);
+  for (int k = 0; k < 2 * LIBRARIES; k++) quiet_clear(&t->other[k % 2][k / 2]);
+  const double end = quiet_now(CLOCK_MONOTONIC) + SECONDS * 1e9;
+  for (int r = 0; r < RUNS || (!all_enough(t, ways) && quiet_now(CLOCK_MONOTONIC) < end); r++) {
+    quiet_wait(&quiet, end);
+    sample(&t->vector, vector, NULL, POINTS, IN_A_ROW);
+    for (int k = 0; k < ways * LIBRARIES; k++)
+      sample(&t->other[k % ways][k / ways], NULL, libraries[k / ways].library->run[formula][k % ways], POINTS,
+             k / ways ? IN_A_ROW : 1);
+    if (r % 2 == 0) sample(&t->scalar, scalar, NULL, POINTS / 16, 1);
+  }
+}
+
 static void table_row(const char *name, const skf_element *e, size_t n) {
-  double scalar = INFINITY, vector = INFINITY, counted = INFINITY, nothing = INFINITY, per = POINTS * (double)n;
-  double other[2][LIBRARIES];
+  timing t;
   int formula = n == 1 ? formula_of(e) : -1, ways = formula < 0 ? 0 : libraries[0].library->run[formula][1] ? 2 : 1;
   skf_field *a = make("scalar", e, n), *b = make("avx2", e, n);
-  for (int i = 0; i < LIBRARIES; i++) libraries[i].library->prepare(e), other[0][i] = other[1][i] = INFINITY;
-  for (int r = 0; r < RUNS; r++) {
-    double t = cpu();
-    repeat(b, NULL);
-    keep(&vector, (cpu() - t - read_ns) / IN_A_ROW);
-    double c = cycles();
-    keep(&nothing, cycles() - c);
-    c = cycles();
-    repeat(b, NULL);
-    keep(&counted, cycles() - c);
-    for (int k = 0; k < ways * LIBRARIES; k++) {
-      t = cpu();
-      repeat(NULL, libraries[k / ways].library->run[formula][k % ways]);
-      keep(other[k % ways] + k / ways, (cpu() - t - read_ns) / IN_A_ROW);
-    }
-    if (r % 16) continue;
-    t = cpu();
-    eval(a, POINTS / 8);
-    keep(&scalar, (cpu() - t - read_ns) * 8);
-  }
-  calibrate();
-  counted = counted > 0 ? (counted - nothing) / IN_A_ROW : vector / cycle_ns;
+  for (int i = 0; i < LIBRARIES; i++) libraries[i].library->prepare(e);
+  measure(&t, a, b, formula, ways);
+  double scalar = quiet_median(&t.scalar) / (double)n, vector = quiet_median(&t.vector) / (double)n;
   title(name, e);
-  printf(" %8.1f %8.2f %7.2f %7.1f", scalar / per, vector / per, counted / per, scalar / vector);
+  printf(" %8.1f %8.2f %7.2f %7.1f", scalar * quiet.cycle_ns, vector * quiet.cycle_ns, vector, scalar / vector);
   if (ways) {
     exact_library.prepare(e);
     exact_library.run[formula][0](POINTS);
   }
   for (int way = 0; way < ways; way++) {
     if (way) printf("\n%-29s %8s %8s %7s %7s", "  carefully", "", "", "", "");
-    for (int i = 0; i < LIBRARIES; i++) printf("  %7.2f", other[way][i] / vector);
+    for (int i = 0; i < LIBRARIES; i++) printf("  %7.2f", quiet_median(&t.other[way][i]) / vector);
     eval(b, POINTS);
     print_error();
     for (int i = 0; i < LIBRARIES; i++) {
@@ -299,7 +257,7 @@ static void table_row(const char *name, const skf_element *e, size_t n) {
       print_error();
     }
   }
-  printf("\n");
+  printf("%s\n", all_enough(&t, ways) ? "" : "  *");
   skf_field_free(a);
   skf_field_free(b);
 }
@@ -320,8 +278,10 @@ static bool wanted(const char *kernel, const char *name, int words, char **word)
 }
 
 static void table(int words, char **word) {
-  printf("ns per value and gradient: closed form, vector form, its cycles and ratio; how many times longer the same "
-         "formula takes\nwith each library; largest relative errors of F and gradient: ours and theirs\n");
+  printf(
+      "ns per value and gradient: closed form, vector form, its cycles and ratio; how many times longer the same "
+      "formula takes\nwith each library; largest relative errors of F and gradient: ours and theirs. Medians of quiet "
+      "samples (*: the core was\nshared nearly all of the time, the least of all)\n");
   printf("%-29s %8s %8s %7s %7s", "", "closed", "vector", "cycles", "ratio");
   for (int i = 0; i < LIBRARIES; i++) printf("  %7s", libraries[i].name);
   printf("  %15s", "errors");
@@ -371,32 +331,49 @@ static void one_point(void) {
     skf_prepared q;
     skf_batch b;
     skf_vec3 g;
-    double call = INFINITY, kernel = INFINITY, at = INFINITY, total = 0;
+    quiet_series call, kernel, at;
+    volatile double total = 0;
     const double *const in[3] = {p[0], p[1], p[2]};
     double *const out[4] = {F[0], F[1], F[2], F[3]};
     skf_prepare(&e, &q);
     if (skf_batch_new(skf_batch_get(skf_isa_pick()), &q, 1, &b)) exit(1);
-    for (int r = 0; r < RUNS; r++) {
-      double t = cpu();
+    quiet_clear(&call), quiet_clear(&kernel), quiet_clear(&at);
+    const double end = quiet_now(CLOCK_MONOTONIC) + SECONDS * 1e9;
+    for (int r = 0; r < RUNS || (!quiet_enough(&at) && quiet_now(CLOCK_MONOTONIC) < end); r++) {
+      quiet_wait(&quiet, end);
+      quiet_start(&quiet);
       for (int k = 0; k < CALLS; k++) eval(f, 1);
-      keep(&call, (cpu() - t - read_ns) / CALLS);
-      t = cpu();
+      double c = quiet_stop(&quiet);
+      quiet_keep(&call, c, quiet_probe(&quiet));
+      quiet_start(&quiet);
       for (int k = 0; k < CALLS; k++) b.ops->form[b.tile->form].one(b.tile, SKF_BATCH_PAD, in, out);
-      keep(&kernel, (cpu() - t - read_ns) / CALLS);
-      t = cpu();
+      c = quiet_stop(&quiet);
+      quiet_keep(&kernel, c, quiet_probe(&quiet));
+      quiet_start(&quiet);
       for (int k = 0; k < CALLS; k++) total += skf_field_at(f, v3(p[0][k], p[1][k], p[2][k]), &g);
-      keep(&at, (cpu() - t - read_ns) / CALLS);
+      c = quiet_stop(&quiet);
+      quiet_keep(&at, c, quiet_probe(&quiet));
     }
+    const double ns = quiet.cycle_ns / CALLS, all = quiet_median(&call) * ns, inner = quiet_median(&kernel) * ns;
     title(skf_shape_get(chosen[i].shape)->name, &e);
-    printf(" %8.0f %8.0f %8.0f %8.0f\n", call, kernel, call - kernel, total > 0 ? at : 0);
+    printf(" %8.0f %8.0f %8.0f %8.0f\n", all, inner, all - inner, quiet_median(&at) * ns);
     skf_batch_free(&b);
     skf_field_free(f);
   }
 }
 
+/* The loop that only multiplies, its rounds dealt out to the threads: what two of them gain here and now */
+static double control(int threads, long rounds) {
+  const double t = quiet_now(CLOCK_MONOTONIC);
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (int k = 0; k < threads; k++) quiet_multiply(rounds / threads);
+  return quiet_now(CLOCK_MONOTONIC) - t;
+}
+
 /* Many points, in main memory and by two threads: CPU time of one, wall-clock time of both */
 static void large(void) {
-  enum { REPEAT = 7 };
+  enum { SIZES = 3, REPEAT = 9 };
+  static const size_t size[SIZES] = {HUGE_POINTS, 131072, 16384};
   double *room = malloc(7 * (size_t)HUGE_POINTS * sizeof *room);
   if (!room) return;
   for (size_t i = 0; i < 3 * (size_t)HUGE_POINTS; i++) room[i] = p[i % 3][i / 3 % POINTS];
@@ -404,24 +381,30 @@ static void large(void) {
   const double *const in[3] = {room, room + HUGE_POINTS, room + 2 * (size_t)HUGE_POINTS};
   double *const out[4] = {room + 3 * (size_t)HUGE_POINTS, room + 4 * (size_t)HUGE_POINTS,
                           room + 5 * (size_t)HUGE_POINTS, room + 6 * (size_t)HUGE_POINTS};
-  printf("\nns per point, %d and 16384 points: CPU time of one thread; wall-clock time of one and of two, speed-up\n",
-         HUGE_POINTS);
+  printf(
+      "\nmany points, ns each: CPU time of one thread, wall-clock time of one and of two; speed-up, in brackets that "
+      "of a loop\nthat only multiplies, as long, in between\n");
   for (int i = 0; i < CHOSEN; i++) {
     skf_element e = body(i);
     skf_field *f = make("avx2", &e, 1);
-    double ns[2][2] = {{INFINITY, INFINITY}, {INFINITY, INFINITY}}, own[2] = {INFINITY, INFINITY};
-    for (int r = 0; r < REPEAT * 8; r++)
-      for (int k = 0; k < 4; k++) {
-        size_t n = k / 2 ? 16384 : HUGE_POINTS;
-        if (n == HUGE_POINTS && r % 8) continue;
-        omp_set_num_threads(k % 2 + 1);
-        double t = now(CLOCK_MONOTONIC), c = cpu();
-        skf_field_eval(f, n, in, out[0], out + 1, NULL);
-        if (k % 2 == 0) keep(own + k / 2, (cpu() - c) / (double)n);
-        keep(&ns[k / 2][k % 2], (now(CLOCK_MONOTONIC) - t) / (double)n);
-      }
     title(skf_shape_get(chosen[i].shape)->name, &e);
-    for (int k = 0; k < 2; k++) printf(" %8.2f %8.2f %8.2f %6.2fx   ", own[k], ns[k][0], ns[k][1], ns[k][0] / ns[k][1]);
+    for (int k = 0; k < SIZES; k++) {
+      double ns[2] = {INFINITY, INFINITY}, loop[2] = {INFINITY, INFINITY}, own = INFINITY;
+      const int repeat = k == 0 ? REPEAT : (int)(HUGE_POINTS / size[k]) * 2;
+      long rounds = 1000;
+      for (int r = 0; r < 2 * repeat; r++) {
+        omp_set_num_threads(r % 2 + 1);
+        double t = quiet_now(CLOCK_MONOTONIC), c = quiet_cpu();
+        skf_field_eval(f, size[k], in, out[0], out + 1, NULL);
+        if (r % 2 == 0) keep(&own, quiet_cpu() - c);
+        keep(&ns[r % 2], quiet_now(CLOCK_MONOTONIC) - t);
+        if (r == 0) rounds = (long)(own / (5 * quiet.cycle_ns));
+        keep(&loop[r % 2], control(r % 2 + 1, rounds));
+      }
+      const double n = (double)size[k];
+      printf("  %zu: %.2f %.2f %.2f %.2f (%.2f)", size[k], own / n, ns[0] / n, ns[1] / n, ns[0] / ns[1],
+             loop[0] / loop[1]);
+    }
     printf("\n");
     skf_field_free(f);
   }
@@ -438,10 +421,9 @@ int main(int argc, char **argv) {
       seed = seed * 6364136223846793005u + 1442695040888963407u;
       p[k][i] = 3 * ((double)(seed >> 11) * 0x1p-53) - 1.5;
     }
-  calibrate();
-  count_cycles();
+  quiet = quiet_begin();
   table(argc - 1, argv + 1);
   if (argc == 1) one_point(), large();
-  printf("\nclock %.2f GHz\n", 1 / cycle_ns);
+  printf("\nclock %.2f GHz, %.0f %% of the samples quiet\n", 1 / quiet.cycle_ns, 100 * quiet.quiet / quiet.probed);
   return 0;
 }
