@@ -105,7 +105,7 @@ static skf_rim rim_of(const skf_triangle_view *g, const skf_disc *disc) {
   const skf_triangle_plan *T = g->T;
   int k = T->longest;
   double X = g->l1[k];
-  skf_rim rim = {.radius = disc->rm};
+  skf_rim rim = {disc->rm, {-disc->rm, 0, disc->rm}, 3};
   for (int step = 0; step < 3; step++) {
     int i = (k + step) % 3;
     skf_edge_clip e = skf_edge_cut(g, i, disc);

@@ -125,9 +125,10 @@ typedef struct skf_place {
 void skf_quad_graded(const skf_place *at, int count, double lo, double hi,
                      void (*f)(void *context, double x, double weight), void *context);
 
-/* The kernel vanishes at `radius` from p' on: where that circle meets the edges, in abscissae of the longest side. */
+/* The kernel vanishes at `radius` from p' on: in abscissae of the longest side where that circle meets the edges, its
+   middle and its ends, as it may be all within the triangle. */
 typedef struct skf_rim {
-  double radius, at[6];
+  double radius, at[9];
   int count;
 } skf_rim;
 
@@ -138,7 +139,7 @@ void skf_quad_across(skf_kernel_eval_fn eval, double param, double width, const 
 
 /* Largest condition of an edge sum that is kept: of F and a tenth of the gradient's, and of the Hessian's. The Hessian
    of a sliver next to it costs its aspect ratio in digits; the limit keeps 1e-11. */
-#define SKF_TRIANGLE_COND         1e3
+#define SKF_TRIANGLE_COND         400
 #define SKF_TRIANGLE_COND_HESSIAN 1e4
 
 /* The edge sum where it is well conditioned, else skf_quad_across with the arguments above. */

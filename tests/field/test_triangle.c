@@ -298,6 +298,11 @@ static void rims(void **state) {
       skf_value v = tri_eval(&c, 2);
       assert_true(v.F == 0 && v3_norm(v.g) == 0 && tri_norm_h(v.h) == 0);
     }
+    for (double off = -1e-4; off < 2e-4 && compact[k] == SKF_METABALL; off += 3e-5) { /* where it turns from its core */
+      double r = (1 + off) / 3, core = 9 * r * r - 1, shell = 1.5 * (1 - r) * (3 * r - 1);
+      c.x = v3(2, 2, r);
+      check_scaled(tri_eval(&c, 2).h[5], 2 * SKF_PI * (off < 0 ? core : shell), 1, 1e-13);
+    }
     c.x = v3(3, -0.999, 0); /* grazing: F ~ (1 - dist/R)^(n + 3/2), small, positive, monotone */
     double graze = tri_eval(&c, 1).F;
     c.x.y = -0.998;
