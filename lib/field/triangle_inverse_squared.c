@@ -36,6 +36,7 @@ static void low(const skf_triangle_view *g, int i, skf_triangle_sum *s) {
     }
   }
   skf_sum_F(s, 0.5 * d * F);
+  s->absF += 0.5 * fabs(skf_edge_angle(d, l1, l2)); /* rho2 - lat2 has an ulp of rho2 at least */
   skf_sum_Z(s, g->z * d * W);
   skf_sum_zz(s, -d * W);
 }
