@@ -88,6 +88,11 @@ SKF_INLINE disc_terms disc_panels(bool soft, const area_row *c, skf_vd d, const 
   return sum;
 }
 
+/* What R^2 - r^2 has lost, in 16 ulps. */
+SKF_INLINE skf_vd rim_loss(skf_vd R2, const area_view *f) {
+  return vd_max(vd_set(1), vd_set(1. / 16) * R2 / (R2 - f->dist2));
+}
+
 SKF_INLINE skf_vvalue disc_edges(bool soft, bool beyond, const area_row *c, const area_view *f, const disc_area *disc,
                                  skf_vi good) {
   skf_vd zero = vd_set(0), per_R2 = c->per_param2;
@@ -114,7 +119,7 @@ SKF_INLINE skf_vvalue disc_edges(bool soft, bool beyond, const area_row *c, cons
       F = vd_fma(d * half, H, disc->G0 * e.out), Z = -f->z * vd_fma(d * half * per_R2, D, disc->h0 * e.out);
     sum.F += F, sum.abs_F += vd_abs(F), sum.Z += Z, sum.abs_Z += vd_abs(Z);
   }
-  return area_gather(c, f, &sum, good);
+  return area_gather_lossy(c, f, &sum, rim_loss(c->param2, f), good);
 }
 
 /* Not at the rim, where the plain differences of squares cancel. */

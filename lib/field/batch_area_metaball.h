@@ -106,7 +106,7 @@ SKF_INLINE skf_vvalue cone_value(const area_row *c, const area_view *f, double s
     skf_vd F = vd_fma(v.G0, out, p.F), Z = f->z * vd_fnma(v.b * v.b, out, p.W);
     sum.J[i] = p.J, sum.F += F, sum.abs_F += vd_abs(F), sum.Z += Z, sum.abs_Z += vd_abs(Z);
   }
-  return area_either(off, none, area_gather(c, f, &sum, good));
+  return area_either(off, none, area_gather_lossy(c, f, &sum, rim_loss(v.R2, f), good));
 }
 
 /* 3/2 a - 1/2 b */

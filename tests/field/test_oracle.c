@@ -80,7 +80,44 @@ static void test_pairs(void **state) {
     }
 }
 
+/* A support's rim crosses the triangle, from everywhere, near and far. */
+static void test_rims_of_triangles(void **state) {
+  (void)state;
+  uint64_t seed = 5;
+  field_error worst = {0, 0, 0};
+  int limited = 0, failed = 0;
+  for (int i = 0; i < 600; i++) {
+    field_case c;
+    double distance = rnd_power(&seed, -0.3, 4.3);
+    memset(&c, 0, sizeof c);
+    c.element.strength = 1, c.size = 1;
+    c.element.kernel.type = (skf_kernel_type)(SKF_METABALL + i % 3);
+    c.element.primitive.shape = SKF_TRIANGLE;
+    case_anchor a = case_triangle(&seed, i % 2 ? CASE_EDGE : CASE_NEAR, 1, rnd_vec(&seed, 1), &c.element.primitive);
+    c.x = v3_mad(a.at, distance, a.to);
+    c.distance = skf_primitive_distance(&c.element.primitive, c.x);
+    c.element.kernel.param = c.distance * (1 + rnd_power(&seed, -3.3, -2));
+    failed += !check_case(&c, &worst, &limited);
+  }
+  assert_int_equal(failed, 0);
+}
+
+/* Next to a sliver 1 / r^2's edge terms cancel each within itself. */
+static void test_beside_sliver(void **state) {
+  (void)state;
+  field_error worst = {0, 0, 0};
+  int limited = 0;
+  field_case c = {.element = {.kernel.type = SKF_INVERSE_SQUARED, .strength = 1}, .size = 1, .distance = 1.14};
+  c.element.primitive.shape = SKF_TRIANGLE;
+  c.element.primitive.triangle = (skf_triangle){{{-0.10000258722097798, 0.014444487580453783, 0.002409707797479288},
+                                                 {0, 0, 0},
+                                                 {0.99040128561693097, -0.13616037028066705, -0.023783334782190524}}};
+  c.x = v3(0.62766381529002835, 1.0548183456020908, -0.0015294318130210796);
+  assert_true(check_case(&c, &worst, &limited));
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_pairs)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_pairs), cmocka_unit_test(test_rims_of_triangles),
+                                     cmocka_unit_test(test_beside_sliver)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
