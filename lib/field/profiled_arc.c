@@ -49,10 +49,11 @@ static void plain(job *j, int n) { skf_march_plain(&(skf_march){add_node, j}, j-
 /* The part of the stretch from x to `next`. */
 static void part(job *j, double x, double next, int n) {
   stretch whole = j->s;
-  double before = x - whole.lo, after = whole.hi - next, u = (whole.up ? before : after) * j->scale;
+  double before = x - whole.lo, length = next < whole.hi ? next - x : whole.length - before;
+  double after = whole.length - before - length, u = (whole.up ? before : after) * j->scale;
   if (!(next > x)) return;
   j->s.lo = x, j->s.hi = next, j->s.gap += after;
-  j->s.length = before == 0 && after == 0 ? whole.length : next - x;
+  j->s.length = length; /* together as long as the whole, which is known better than its ends */
   j->s.u += u, j->s.v += (whole.up ? after : before) * j->scale;
   plain(j, n);
   j->s = whole;

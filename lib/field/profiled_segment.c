@@ -59,7 +59,9 @@ typedef void (*one_sided)(job *j, double lo, double hi);
 static void from_foot(job *j, one_sided go) {
   stretch whole = j->s, a, b;
   if (whole.lo < 0 && whole.hi > 0) {
-    cut(&whole, 0, -whole.lo, whole.hi, j->scale, &a, &b);
+    /* abscissae may be rounded to the distance, lengths are not */
+    double before = -whole.lo < whole.hi ? -whole.lo : whole.length - whole.hi;
+    cut(&whole, 0, before, -whole.lo < whole.hi ? whole.length - before : whole.hi, j->scale, &a, &b);
     j->s = a, j->sign = -1;
     go(j, 0, a.length);
     j->s = b, j->sign = 1;
@@ -141,12 +143,14 @@ static void compact(job *j) {
     return;
   }
   if (core.hi > T3) {
-    cut(&core, T3, T3 - core.lo, core.hi - T3, j->scale, &left, &right);
+    double out = fmin(core.length, core.hi - T3);
+    cut(&core, T3, core.length - out, out, j->scale, &left, &right);
     core = left, j->s = right;
     from_foot(j, shell);
   }
   if (core.lo < -T3) {
-    cut(&core, -T3, -T3 - core.lo, core.hi + T3, j->scale, &left, &right);
+    double out = fmin(core.length, -T3 - core.lo);
+    cut(&core, -T3, out, core.length - out, j->scale, &left, &right);
     core = right, j->s = left;
     from_foot(j, shell);
   }
@@ -158,20 +162,21 @@ static void compact(job *j) {
 static bool place(job *j, const skf_segment_clip *c) {
   const skf_segment_frame *f = j->f;
   const skf_weight_piece *p = j->piece;
-  double L = f->L, length = (p->b - p->a) * L;
-  double lo = f->t0 + p->a * L, hi = f->t1 - (1 - p->b) * L;
-  j->s = (stretch){lo, hi, length, 0, 0, 0, 0};
+  double past = p->a * f->L, rest = (1 - p->b) * f->L, length = (p->b - p->a) * f->L;
+  j->s = (stretch){f->t0 + past, f->t1 - rest, length, 0, 0, 0, 0};
   j->scale = 1 / length;
   if (!c) return true;
-  double before = fmax(0, c->lo - lo), after = fmax(0, hi - c->hi);
-  /* an end in the middle of the support keeps its own distance to the rim */
-  j->s.lo = before > 0 ? c->lo : lo, j->s.hi = after > 0 ? c->hi : hi;
+  /* lengths, none by a difference of abscissae: out of the support at both ends of the segment and of the piece; in it
+     before and after the piece */
+  double out0 = c->q0 > 0 ? 0 : -c->q0 / (c->T - f->t0), out1 = c->q1 > 0 ? 0 : -c->q1 / (c->T + f->t1);
+  double before = fmax(0, out0 - past), after = fmax(0, out1 - rest);
+  double in0 = fmax(0, past - out0), in1 = fmax(0, rest - out1);
+  if (before > 0) j->s.lo = c->lo;
+  if (after > 0) j->s.hi = c->hi;
+  if (before > 0 || after > 0) j->s.length = c->length - in0 - in1;
   j->s.u = before / length, j->s.v = after / length;
-  j->s.gap_lo = before > 0 || p->a == 0 ? c->gap_lo : c->gap_lo + (lo - c->lo);
-  j->s.gap_hi = after > 0 || p->b == 1 ? c->gap_hi : c->gap_hi + (c->hi - hi);
-  bool whole = p->a == 0 && p->b == 1;
-  if (before > 0 || after > 0) j->s.length = whole ? c->length : j->s.hi - j->s.lo;
-  return j->s.length > 0 && j->s.lo < j->s.hi;
+  j->s.gap_lo = c->gap_lo + in0, j->s.gap_hi = c->gap_hi + in1;
+  return j->s.length > 0;
 }
 
 static void result(const skf_segment_frame *f, const sums *s, int order, skf_value *v) {

@@ -242,6 +242,29 @@ static void a_weight_of_one_is_none(void **state) {
   for_all(constant, 3);
 }
 
+/* Far beside short bodies a length is not the difference of two abscissae, wherever kernels or profiles cut it. */
+static void short_bodies_keep_their_length(void **state) {
+  (void)state;
+  static const skf_profile_knot flat[] = {{0, 1, 0}, {0.3, 1, 0}, {1, 1, 0}};
+  static const skf_profile one = {.type = SKF_PROFILE_CUBIC, .knots = flat, .knot_count = 3};
+  uint64_t seed = 9;
+  for (int i = 0; i < 600; i++) {
+    double D = pow(10, rnd(&seed, 3, 6)), near = pow(10, rnd(&seed, -6, -1)), at = rnd(&seed, 0, 1);
+    skf_element e = {.kernel.type = (skf_kernel_type)(SKF_METABALL + i % 3), .strength = 1};
+    e.primitive.shape = i & 1 ? SKF_ARC : SKF_SEGMENT;
+    if (i & 1)
+      e.primitive.arc = (skf_arc){rnd_vec(&seed, 3), rnd_unit(&seed), rnd_unit(&seed), 0.1 * D, 10 / D};
+    else
+      e.primitive.segment.to = v3_add(e.primitive.segment.from = rnd_vec(&seed, 3), rnd_unit(&seed));
+    skf_vec3 x = v3_mad(skf_primitive_point(&e.primitive, at, 0), D, rnd_unit(&seed));
+    double R = skf_primitive_distance(&e.primitive, x) * (i & 3 ? 3 : 1); /* core or rim */
+    e.kernel.param = R * (1 + near);
+    skf_value want = value(&e, 1, x), got;
+    e.profile = &one, got = value(&e, 1, x);
+    close_to(&got, &want, &want, D, 1e-12);
+  }
+}
+
 /* Lengths times 2^24, 1.7e7, and back: only the dimension counts. */
 static void scaled(uint64_t *seed, skf_element *e, skf_vec3 x) {
   (void)seed;
@@ -464,6 +487,7 @@ int main(void) {
       cmocka_unit_test(parts_add_up),
       cmocka_unit_test(linear_halves),
       cmocka_unit_test(a_weight_of_one_is_none),
+      cmocka_unit_test(short_bodies_keep_their_length),
       cmocka_unit_test(scale_does_not_matter),
       cmocka_unit_test(direction_does_not_matter),
       cmocka_unit_test(derivatives_are_differences),
