@@ -49,13 +49,13 @@ static void slice(const strips *s, double eta, double w, moments *m) {
   double xl = s->l1 + (s->apex - s->l1) * (eta / s->height), len = s->L * (1 - eta / s->height), xr = xl + len;
   double F = w * skf_gaussian_segment(s->a, c2, xl, xr);
   double hl = exp(-a2 * (c2 + xl * xl)), r1 = s->a * sqrt(c2 + xl * xl), r2 = s->a * sqrt(c2 + xr * xr);
-  double diff = w * skf_gaussian_difference(r1, r2, a2 * len * (xl + xr));
+  double step = a2 * len * (xl + xr), diff = w * skf_gaussian_difference(r1, r2, step);
   m->F += F;
   m->Y += Y * F;
   m->YY += Y * Y * F;
   m->t += diff;
   m->tY += Y * diff;
-  m->tt += xr * diff + w * len * hl;
+  m->tt += fabs(step) < 1 ? xr * diff + w * len * hl : w * (xr * exp(-r2 * r2) - xl * hl);
 }
 
 static void set_up(strips *s, double a, const skf_triangle_view *g) {

@@ -101,6 +101,8 @@ void skf_span_mixed6(const skf_span *a, double *c4s2, double *c2s4) {
   double difference = q * (3 * p * p + q * q) / 12;
   *c4s2 = 0.5 * (sum + difference);
   *c2s4 = 0.5 * (sum - difference);
+  if (*c4s2 < sum / 8) *c4s2 = skf_span_c4(a) - skf_span_c6(a);
+  if (*c2s4 < sum / 8) *c2s4 = skf_span_s4(a) - skf_span_s6(a);
 }
 
 static double unsine(const skf_span *a) { return a->delta > 0 ? a->delta / a->sin_delta : 1; }

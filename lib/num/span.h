@@ -23,7 +23,7 @@ double skf_span_s4(const skf_span *a);   /* int sin^4 */
 double skf_span_c2s2(const skf_span *a); /* int cos^2 sin^2 */
 double skf_span_c6(const skf_span *a);   /* int cos^6 */
 double skf_span_s6(const skf_span *a);   /* int sin^6 */
-/* int cos^4 sin^2 and int cos^2 sin^4; their errors are relative to their sum c2s2 */
+/* int cos^4 sin^2 and int cos^2 sin^4 */
 void skf_span_mixed6(const skf_span *a, double *c4s2, double *c2s4);
 
 /* 1 - cos delta */

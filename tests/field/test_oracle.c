@@ -102,22 +102,50 @@ static void test_rims_of_triangles(void **state) {
   assert_int_equal(failed, 0);
 }
 
-/* Next to a sliver 1 / r^2's edge terms cancel each within itself. */
-static void test_beside_sliver(void **state) {
+/* Places where a sum once cancelled. */
+static void test_known_places(void **state) {
   (void)state;
+  static const field_case rows[] = {
+      /* beside a sliver 1 / r^2's edge terms do, each within itself */
+      {.element = {.kernel.type = SKF_INVERSE_SQUARED,
+                   .primitive = {.shape = SKF_TRIANGLE,
+                                 .triangle = {{{-0.10000258722097798, 0.014444487580453783, 0.002409707797479288},
+                                               {0, 0, 0},
+                                               {0.99040128561693097, -0.13616037028066705, -0.023783334782190524}}}}},
+       .x = {0.62766381529002835, 1.0548183456020908, -0.0015294318130210796},
+       .size = 1},
+      /* a narrow Gaussian at the sharp corner of a wide triangle */
+      {
+          .element =
+              {.kernel = {SKF_GAUSSIAN, 3397628345068.4775},
+               .primitive = {.shape = SKF_TRIANGLE,
+                             .triangle = {{{-7.5951606689339739e-06, -1.4088247328487046e-05, -2.0661126739906897e-05},
+                                           {-3.5581910318694737e-06, -6.5007703602355418e-06, -9.5210491136998649e-06},
+                                           {0, 0, 0}}}}},
+          .x = {-1.6519498537474033e-14, 1.0308131800256089e-13, 1.6821974255966599e-13},
+          .size = 2.6e-5},
+      /* a short arc of a circle that the place is next to elsewhere */
+      {.element = {.kernel = {SKF_CAUCHY, 0.071590064310628518},
+                   .primitive = {.shape = SKF_ARC,
+                                 .arc = {{-30720, -29184, 14848},
+                                         {0.32719886874329057, -0.63177825431709111, 0.70270700698453248},
+                                         {-0.53063841422062596, -0.73816412122796604, -0.41657724792067569},
+                                         32768,
+                                         3.9551475756702929e-05}}},
+       .x = {-59056.446354494059, -25920.063052003981, 30976.681911036714},
+       .size = 32768},
+  };
   field_error worst = {0, 0, 0};
   int limited = 0;
-  field_case c = {.element = {.kernel.type = SKF_INVERSE_SQUARED, .strength = 1}, .size = 1, .distance = 1.14};
-  c.element.primitive.shape = SKF_TRIANGLE;
-  c.element.primitive.triangle = (skf_triangle){{{-0.10000258722097798, 0.014444487580453783, 0.002409707797479288},
-                                                 {0, 0, 0},
-                                                 {0.99040128561693097, -0.13616037028066705, -0.023783334782190524}}};
-  c.x = v3(0.62766381529002835, 1.0548183456020908, -0.0015294318130210796);
-  assert_true(check_case(&c, &worst, &limited));
+  for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    field_case c = rows[i];
+    c.element.strength = 1, c.distance = skf_primitive_distance(&c.element.primitive, c.x);
+    if (!check_case(&c, &worst, &limited)) fail_msg("place %zu", i);
+  }
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_pairs), cmocka_unit_test(test_rims_of_triangles),
-                                     cmocka_unit_test(test_beside_sliver)};
+                                     cmocka_unit_test(test_known_places)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
