@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* From linear light to sRGB [IEC 61966-2-1]. */
+#include "ray/render_srgb.h"
 #include "ray/render.h"
-#include <stdint.h>
-#include <string.h>
+#include "simd/isa.h"
 
 static double press(double x) { return x <= 0.7 ? fmax(x, 0) : 1 - 0.3 * exp((0.7 - x) / 0.3); }
 
@@ -11,61 +11,53 @@ static double encode(double x) {
   return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
 }
 
-/* 255 encode(x) between 2^FIRST and 2^LAST by straight lines, PER of them from each power of two to the next: within
-   0.002, as its curvature is at most that of x^(1 / 2.4), or of exp(-x / 0.3) above 0.7. */
-enum { FIRST = -12, LAST = 3, PER = 128, LINES = (LAST - FIRST) * PER };
-
-/* What rounds to another byte within so much is computed. */
-static const float doubt = 0.01f;
-
-static const float edge_low = 0x1p-12f, edge_high = 0x1p3f;
-
-static float edge(int i) { return ldexpf(1 + (float)(i % PER) / PER, FIRST + i / PER); }
-
-static float look_up(const float *line, float x) {
-  uint32_t bits;
-  memcpy(&bits, &x, sizeof bits);
-  uint32_t i = (bits >> 16) - (127 + FIRST) * PER; /* 7 bits of the fraction behind the exponent */
-  float part = (float)(bits & 0xffff) * 0x1p-16f;
-  return line[i] + part * (line[i + 1] - line[i]);
+static float edge(int i) {
+  return ldexpf(1 + (float)(i % SKF_SRGB_PER) / SKF_SRGB_PER, SKF_SRGB_FIRST + i / SKF_SRGB_PER);
 }
 
-/* Noise of half a step. */
-static double noise_at(size_t x, size_t y) { return skf_hashed((unsigned)x, (unsigned)y, 0) - 0.5; }
-
-static unsigned char exact(float x, double noise) {
+/* With noise of half a step. */
+static unsigned char exact(float x, size_t column, size_t row) {
+  double noise = skf_hashed((unsigned)column, (unsigned)row, 0) - 0.5;
   return (unsigned char)fmin(fmax(floor(255 * encode(x) + 0.5 + noise), 0), 255);
 }
 
-static unsigned char byte_of(float x, float level, double noise) {
-  float v = level + 0.5f + (float)noise;
-  int whole = (int)v;
-  float part = v - (float)whole;
-  return part > doubt && part < 1 - doubt && v < 255 ? (unsigned char)whole : exact(x, noise);
+void skf_srgb_scalar(const float *line, const float *rgb, size_t n, size_t x, size_t y, unsigned char *out,
+                     unsigned char *unsure) {
+  srgb_piece(line, rgb, n, x, y, out, unsure);
 }
 
-static void quick_row(const float *line, const float *rgb, size_t n, size_t y, unsigned char *out) {
-  float level[3] = {0, 0, 0}, last[3] = {-1, -1, -1}; /* many pixels are like the one before */
-  for (size_t i = 0; i < n; i++, rgb += 3, out += 3) {
-    double noise = noise_at(i, y);
-    for (int k = 0; k < 3; k++) {
-      if (rgb[k] != last[k])
-        last[k] = rgb[k], level[k] = rgb[k] >= edge_low && rgb[k] < edge_high ? look_up(line, rgb[k]) : -1;
-      out[k] = byte_of(rgb[k], level[k], noise);
+static skf_srgb_fn *pieces(void) {
+#ifdef SKF_HAVE_AVX2
+  if (skf_isa_pick() != SKF_ISA_SCALAR) return skf_srgb_avx2;
+#endif
+  return skf_srgb_scalar;
+}
+
+static void quick_row(skf_srgb_fn *piece, const float *line, const float *rgb, size_t n, size_t y, unsigned char *out) {
+  for (size_t x = 0; x < n; x += SKF_SRGB_PIECE, rgb += 3 * SKF_SRGB_PIECE, out += 3 * SKF_SRGB_PIECE) {
+    size_t m = n - x < SKF_SRGB_PIECE ? n - x : SKF_SRGB_PIECE;
+    unsigned char unsure[3 * SKF_SRGB_PIECE] = {0};
+    piece(line, rgb, m, x, y, out, unsure);
+    for (size_t i = 0; i < 3 * m; i += 8) {
+      uint64_t any;
+      memcpy(&any, unsure + i, sizeof any);
+      for (size_t k = i; any && k < i + 8; k++)
+        if (unsure[k]) out[k] = exact(rgb[k], x + k / 3, y);
     }
   }
 }
 
 void skf_render_srgb(const float *rgb, int width, size_t n, unsigned char *out) {
   size_t w = (size_t)width;
-  if (n < 2 * LINES) { /* not worth the lines */
-    for (size_t i = 0; i < 3 * n; i++) out[i] = exact(rgb[i], noise_at(i / 3 % w, i / 3 / w));
+  if (n < 2 * SKF_SRGB_LINES) { /* not worth the lines */
+    for (size_t i = 0; i < 3 * n; i++) out[i] = exact(rgb[i], i / 3 % w, i / 3 / w);
     return;
   }
-  float line[LINES + 1];
-  for (int i = 0; i <= LINES; i++) line[i] = (float)(255 * encode(edge(i)));
+  float line[SKF_SRGB_LINES + 1];
+  skf_srgb_fn *piece = pieces();
+  for (int i = 0; i <= SKF_SRGB_LINES; i++) line[i] = (float)(255 * encode(edge(i)));
   for (size_t from = 0; from < n; from += w)
-    quick_row(line, rgb + 3 * from, n - from < w ? n - from : w, from / w, out + 3 * from);
+    quick_row(piece, line, rgb + 3 * from, n - from < w ? n - from : w, from / w, out + 3 * from);
 }
 
 void skf_render_srgb16(const float *rgb, size_t n, unsigned short *out) {
