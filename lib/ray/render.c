@@ -84,6 +84,7 @@ static skf_status open_stage(skf_picture *r) {
   for (size_t l = 0; l < g->light_count; l++)
     if (g->lights[l].directional) g->lights[l].at = v3_unit(g->lights[l].at);
   skf_light_directions(g->directions);
+  g->shade = skf_shade_pick();
   r->stride = 1 + 3 * (int)g->light_count;
   g->palettes = skf_alloc(s->body_count, sizeof *g->palettes);
   g->clear = skf_alloc(s->body_count, sizeof *g->clear);

@@ -63,6 +63,21 @@ enum { SKF_LIT = 1 + 3 * SKF_RENDER_LIGHTS };
 
 enum { SKF_SHARES = 16, SKF_DIRECTIONS = 2 * SKF_SHARES };
 
+/* A place of a surface, the light on it, and where it is seen from. */
+typedef struct skf_shaded {
+  const skf_look *look;
+  const skf_sight *at;
+  skf_vec3 normal, eye; /* unit vectors */
+  const float *lit;
+} skf_shaded;
+enum { SKF_SHADED = 4 };
+
+/* What these surfaces themselves send to the eye. */
+struct skf_stage;
+typedef void skf_shade_fn(const struct skf_stage *g, const skf_shaded s[SKF_SHADED], double (*rgb)[3]);
+skf_shade_fn skf_shade_scalar, skf_shade_avx2;
+skf_shade_fn *skf_shade_pick(void);
+
 /* What all rays of a picture share. */
 typedef struct skf_stage {
   const skf_render_scene *s;
@@ -75,6 +90,7 @@ typedef struct skf_stage {
   skf_look *looks;                     /* of those that have none of their own */
   struct skf_palette **palettes;       /* of each body, or NULL */
   bool *clear;                         /* whether a body lets light through anywhere */
+  skf_shade_fn *shade;
   int bounces;
 } skf_stage;
 
@@ -120,9 +136,7 @@ skf_vec3 skf_light_sample(const skf_light *light, skf_vec3 at, double a, double 
 void skf_lights_default(const skf_view *view, skf_light out[3]);
 void skf_background(const skf_render_scene *s, double share_up, double rgb[3]);
 void skf_sky(const skf_view *view, skf_vec3 direction, double rgb[3]);
-/* What the surface itself sends to `eye`, a unit vector. */
-void skf_shade(const skf_stage *g, const skf_look *look, const skf_sight *at, skf_vec3 normal, skf_vec3 eye,
-               const float *lit, double rgb[3]);
+extern const double skf_sky_above[3], skf_sky_below[3];
 void skf_shade_ground(const skf_stage *g, const skf_sight *at, const float *lit, double rgb[3]);
 /* Share of the light that a smooth surface reflects [Fresnel]: n is the index before it over the index behind it.
  *bent, the cosine behind it, is set where the share is below 1. */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Light on surfaces: a matt body under a thin gloss [Walter et al. 2007, the GGX distribution], a sky of two colours.
- */
-#include "ray/render.h"
+/* Light on surfaces, and a sky of two colours. */
+#include "ray/render_shade_lanes.h"
+#include "simd/isa.h"
 
-static const double sky_above[3] = {0.26, 0.30, 0.38}, sky_below[3] = {0.10, 0.09, 0.08};
+const double skf_sky_above[3] = {0.26, 0.30, 0.38}, skf_sky_below[3] = {0.10, 0.09, 0.08};
 
 bool skf_light_is_hard(const skf_light *l) {
   if (l->directional) return l->radius < 0;
@@ -45,23 +45,7 @@ void skf_background(const skf_render_scene *s, double up, double rgb[3]) {
 
 void skf_sky(const skf_view *view, skf_vec3 direction, double rgb[3]) {
   double above = 0.5 + 0.5 * v3_dot(direction, view->up);
-  for (int k = 0; k < 3; k++) rgb[k] = sky_below[k] + above * (sky_above[k] - sky_below[k]);
-}
-
-/* GGX with Smith's shadowing and Schlick's Fresnel term, times cos(light) pi; adds to rgb. */
-static void add_gloss(const skf_look *look, skf_vec3 n, skf_vec3 to_light, skf_vec3 to_eye, const double light[3],
-                      double rgb[3]) {
-  double a2 = 2 / (look->shine + 2); /* the square of GGX's alpha */
-  skf_vec3 half = v3_add(to_light, to_eye);
-  double length = v3_norm(half), per = length > 1e-100 ? 1 / length : 0;
-  double nl = v3_dot(n, to_light), ne = v3_dot(n, to_eye), nh = v3_dot(n, half) * per, eh = v3_dot(to_eye, half) * per;
-  if (!(ne > 1e-4)) ne = 1e-4;
-  if (!(eh > 0)) eh = 0;
-  double d = nh * nh * a2 + (1 - nh * nh), f = 1 - eh, f5 = f * f * f * f * f;
-  double smith = nl * sqrt(ne * ne * (1 - a2) + a2) + ne * sqrt(nl * nl * (1 - a2) + a2);
-  double lobe = a2 * nl / (d * d * 2 * smith);
-  for (int k = 0; k < 3; k++)
-    if (look->specular[k] > 0) rgb[k] += light[k] * lobe * (look->specular[k] + (1 - look->specular[k]) * f5);
+  for (int k = 0; k < 3; k++) rgb[k] = skf_sky_below[k] + above * (skf_sky_above[k] - skf_sky_below[k]);
 }
 
 void skf_shade_ground(const skf_stage *g, const skf_sight *at, const float *lit, double rgb[3]) {
@@ -76,26 +60,13 @@ void skf_shade_ground(const skf_stage *g, const skf_sight *at, const float *lit,
   }
 }
 
-void skf_shade(const skf_stage *g, const skf_look *look, const skf_sight *at, skf_vec3 normal, skf_vec3 eye,
-               const float *lit, double rgb[3]) {
-  double sky[3], matt[3] = {0, 0, 0}, gloss[3] = {0, 0, 0};
-  bool glossy = look->specular[0] > 0 || look->specular[1] > 0 || look->specular[2] > 0;
-  bool through = g->bounces > 0; /* else nothing stands for what is behind it */
-  skf_sky(&g->view, normal, sky);
-  for (size_t l = 0; l < g->light_count; l++) {
-    double unused, light[3];
-    skf_vec3 to = skf_light_direction(g->lights + l, at->at, &unused);
-    double c = v3_dot(normal, to);
-    if (!(c > 0)) continue;
-    for (int k = 0; k < 3; k++) light[k] = lit[1 + 3 * l + k] * g->lights[l].color[k];
-    if (!(light[0] + light[1] + light[2] > 0)) continue;
-    for (int k = 0; k < 3; k++) matt[k] += light[k] * c;
-    if (glossy) add_gloss(look, normal, to, eye, light, gloss);
-  }
-  for (int k = 0; k < 3; k++) {
-    double all = look->color[k] * (look->ambient * lit[0] * sky[k] + look->diffuse * matt[k]);
-    rgb[k] = (through ? 1 - look->transparency[k] : 1) * all + gloss[k];
-  }
+void skf_shade_scalar(const skf_stage *g, const skf_shaded s[SKF_SHADED], double (*rgb)[3]) { shade_lanes(g, s, rgb); }
+
+skf_shade_fn *skf_shade_pick(void) {
+#ifdef SKF_HAVE_AVX2
+  if (skf_isa_pick() != SKF_ISA_SCALAR) return skf_shade_avx2;
+#endif
+  return skf_shade_scalar;
 }
 
 double skf_fresnel(double cosine, double n, double *bent) {

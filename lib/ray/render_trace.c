@@ -66,21 +66,36 @@ static void beyond(const skf_stage *g, const skf_beam *beam, const skf_sight *at
   }
 }
 
-/* weights: see skf_palette_look. */
-static void radiance(const skf_stage *g, const skf_beam *beam, const skf_sight *at, const float *lit,
-                     const double *weights, double rgb[3]) {
-  if (at->body < 0) {
-    background(g, beam, rgb);
-    if (at->body == SKF_GROUND) skf_shade_ground(g, at, lit, rgb);
-  } else {
-    skf_look room;
-    skf_vec3 normal, eye = v3_scale(-1, beam->direction);
-    const skf_look *look = skf_palette_look(g->palettes[at->body], g->bodies + at->body, at, weights, &room, &normal);
-    if (!(v3_dot(normal, eye) > 0)) normal = at->normal;
-    skf_shade(g, look, at, normal, eye, lit, rgb);
-    if (g->bounces > 0) beyond(g, beam, at, look, normal, rgb);
+/* Surfaces side by side. */
+typedef struct company {
+  size_t n, of[SKF_SHADED]; /* their beams */
+  skf_shaded s[SKF_SHADED];
+  skf_look room[SKF_SHADED];
+} company;
+
+static void finish(const skf_stage *g, company *c, const skf_beam *beams, double (*rgb)[3]) {
+  double out[SKF_SHADED][3];
+  if (c->n == 0) return;
+  for (size_t i = c->n; i < SKF_SHADED; i++) c->s[i] = c->s[0];
+  g->shade(g, c->s, out);
+  for (size_t i = 0; i < c->n; i++) {
+    const skf_shaded *s = c->s + i;
+    double *to = rgb[c->of[i]];
+    for (int k = 0; k < 3; k++) to[k] = out[i][k];
+    if (g->bounces > 0) beyond(g, beams + c->of[i], s->at, s->look, s->normal, to);
+    fog(g, s->at->t, to);
   }
-  fog(g, at->t, rgb);
+  c->n = 0;
+}
+
+/* weights: see skf_palette_look. */
+static void join(const skf_stage *g, company *c, size_t of, const skf_beam *beam, const skf_sight *at, const float *lit,
+                 const double *weights) {
+  skf_shaded *s = c->s + c->n;
+  s->at = at, s->lit = lit, s->eye = v3_scale(-1, beam->direction);
+  s->look = skf_palette_look(g->palettes[at->body], g->bodies + at->body, at, weights, c->room + c->n, &s->normal);
+  if (!(v3_dot(s->normal, s->eye) > 0)) s->normal = at->normal;
+  c->of[c->n++] = of;
 }
 
 /* The weights of the looks on one body, where it is seen. */
@@ -99,7 +114,20 @@ void skf_radiance_many(const skf_stage *g, size_t n, const skf_beam *beams, cons
   const double *known[SKF_MANY] = {NULL};
   for (size_t i = 0; i < g->s->body_count; i++)
     if (g->palettes[i]) weigh(g, (int)i, n, at, weights, known);
-  for (size_t k = 0; k < n; k++) radiance(g, beams + k, at + k, lit + k * stride, known[k], rgb[k]);
+  company c;
+  c.n = 0;
+  for (size_t k = 0; k < n; k++) {
+    const float *light = lit + k * stride;
+    if (at[k].body >= 0) {
+      join(g, &c, k, beams + k, at + k, light, known[k]);
+      if (c.n == SKF_SHADED) finish(g, &c, beams, rgb);
+      continue;
+    }
+    background(g, beams + k, rgb[k]);
+    if (at[k].body == SKF_GROUND) skf_shade_ground(g, at + k, light, rgb[k]);
+    fog(g, at[k].t, rgb[k]);
+  }
+  finish(g, &c, beams, rgb);
 }
 
 void skf_radiance(const skf_stage *g, const skf_beam *beam, const skf_sight *at, const float *lit, double rgb[3]) {
