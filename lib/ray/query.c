@@ -124,7 +124,7 @@ static bool stop(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, 
 }
 
 /* Rays for a thread at a time: it changes no result. */
-enum { SHARE = 512 };
+enum { SHARE = 1024 };
 
 skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray, skf_hit *hit, bool *found,
                             skf_ray_report *report) {

@@ -7,7 +7,7 @@
 #include "ray/walk.h"
 
 /* What is settled at a time: as many points as the field's vectors like to have; a packet more may come in before. */
-enum { SKF_ROOM = 128, SKF_ROOM_ALL = SKF_ROOM + 8 };
+enum { SKF_ROOM = 256, SKF_ROOM_ALL = SKF_ROOM + 8 };
 
 typedef struct skf_room {
   size_t count;
