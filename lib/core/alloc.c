@@ -3,6 +3,9 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
 
 static long countdown; /* only touched by the tests that make allocations fail */
 
@@ -14,6 +17,15 @@ static bool refused(size_t n, size_t size) {
 }
 
 void *skf_alloc(size_t n, size_t size) { return refused(n, size) ? NULL : calloc(n ? n : 1, size ? size : 1); }
+
+void *skf_alloc_large(size_t n) {
+  if (refused(n, SKF_LARGE)) return NULL;
+  void *p = aligned_alloc(SKF_LARGE, n * SKF_LARGE);
+#ifdef __linux__
+  if (p) (void)madvise(p, n * SKF_LARGE, MADV_HUGEPAGE); /* it may say no */
+#endif
+  return p;
+}
 
 void *skf_realloc(void *old, size_t n, size_t size) {
   return refused(n, size) ? NULL : realloc(old, n && size ? n * size : 1);

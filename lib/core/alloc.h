@@ -7,6 +7,10 @@
 
 /* Zeroed array of n items; NULL when memory is out or n * size overflows. n = 0 gives a valid pointer. */
 void *skf_alloc(size_t n, size_t size);
+/* n times SKF_LARGE bytes, not zeroed, for what will fill them: in large pages where the system has them, since many
+   small ones take longer to come than to be filled. */
+enum { SKF_LARGE = 1 << 21 };
+void *skf_alloc_large(size_t n);
 /* Resizes, keeping the old block on failure. */
 void *skf_realloc(void *old, size_t n, size_t size);
 char *skf_strdup(const char *text);

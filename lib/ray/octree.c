@@ -16,6 +16,7 @@
 /* Rounding of places, relative to a cell's radius, that its bounds allow for. */
 #define SLACK 1e-8
 
+/* Of memory; blocks grow from the first size to that of a large page. */
 enum { BLOCK = 1 << 16 };
 
 /* Memory that is only ever added to. */
@@ -35,19 +36,28 @@ struct skf_octree {
   omp_lock_t lock;
 };
 
+static block *next_block(const block *before, size_t bytes) {
+  size_t size = before ? 2 * before->size : BLOCK;
+  if (bytes > size || size > SKF_LARGE) size = bytes > SKF_LARGE ? bytes : SKF_LARGE;
+  size_t large = size / SKF_LARGE + (size % SKF_LARGE > 0);
+  block *b = size < SKF_LARGE ? skf_alloc(1, size) : skf_alloc_large(large);
+  if (b) *b = (block){.size = size < SKF_LARGE ? size : large * SKF_LARGE};
+  return b;
+}
+
+/* Zeroed. */
 static void *take(skf_octree *t, size_t bytes) {
   bytes = (bytes + 15) / 16 * 16;
   size_t head = (sizeof(block) + 15) / 16 * 16;
   if (!t->memory || t->memory->used + bytes > t->memory->size) {
-    size_t size = head + (bytes > BLOCK ? bytes : BLOCK);
-    block *b = skf_alloc(1, size);
+    block *b = next_block(t->memory, head + bytes);
     if (!b) return NULL;
-    *b = (block){t->memory, head, size};
+    b->before = t->memory, b->used = head;
     t->memory = b;
   }
   void *p = (char *)t->memory + t->memory->used;
   t->memory->used += bytes;
-  return p;
+  return memset(p, 0, bytes);
 }
 
 static double square(double x) { return x * x; }
