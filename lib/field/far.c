@@ -40,99 +40,149 @@ static void outside(const skf_far *f, const far_leaf *l, far_points *b, double u
   }
 }
 
-static void sum_block(const skf_far *f, size_t leaf, far_points *b) {
-  const far_leaf *l = f->leaf + leaf;
+/* What the leaf's expansion gives to n points, or the narrow sum. */
+static void begin(const skf_far *f, const far_leaf *l, far_points *b) {
   b->padded = (b->n + SKF_BATCH_PAD - 1) / SKF_BATCH_PAD * SKF_BATCH_PAD;
   for (int k = 0; k < 3; k++)
     for (size_t i = b->n; i < b->padded; i++) b->p[k][i] = b->p[k][b->n - 1];
-  if (l->tensor) {
-    double x[3][SKF_BATCH];
-    for (int k = 0; k < 3; k++)
-      for (size_t i = 0; i < b->padded; i++) x[k][i] = (b->p[k][i] - v3_get(l->center, k)) * l->per;
-    const double(*at)[SKF_BATCH] = (const double(*)[SKF_BATCH])x;
-    if (l->tensor == f->whole)
-      outside(f, l, b, x);
-    else if (f->harmonic)
-      f->ops->evaluate(f->harmonic, l->tensor, b->padded, l->per, at, b->sum.s);
-    else
-      f->ops->local(&f->layout, l->tensor, b->padded, l->per, at, b->sum.s);
-    for (int k = 0; k < 4; k++) memset(b->sum.low[k], 0, b->padded * sizeof(double));
-  } else
-    memset(&b->sum, 0, sizeof b->sum);
-  if (f->narrow) return skf_far_narrow_add(f, b);
-  const double *const p[3] = {b->p[0], b->p[1], b->p[2]};
-  for (size_t i = 0; i < l->count; i++)
-    skf_batch_add(f->batch + f->list[l->first + i], b->n, b->padded, p, &b->sum, false);
+  memset(&b->sum, 0, sizeof b->sum);
+  if (f->narrow) skf_far_narrow_add(f, b);
+  if (!l->tensor) return;
+  double x[3][SKF_BATCH];
+  for (int k = 0; k < 3; k++)
+    for (size_t i = 0; i < b->padded; i++) x[k][i] = (b->p[k][i] - v3_get(l->center, k)) * l->per;
+  const double(*at)[SKF_BATCH] = (const double(*)[SKF_BATCH])x;
+  if (l->tensor == f->whole)
+    outside(f, l, b, x);
+  else if (f->harmonic)
+    f->ops->evaluate(f->harmonic, l->tensor, b->padded, l->per, at, b->sum.s);
+  else
+    f->ops->local(&f->layout, l->tensor, b->padded, l->per, at, b->sum.s);
+}
+
+static void sum_bunch(const skf_far *f, far_bunch *b) {
+  far_points q;
+  for (int i = 0; i < b->leaves; i++)
+    for (size_t from = b->from[i], end = b->from[i + 1]; from < end; from += q.n) {
+      q.n = end - from < SKF_BATCH ? end - from : SKF_BATCH;
+      for (int k = 0; k < 3; k++) memcpy(q.p[k], b->p[k] + from, q.n * sizeof(double));
+      begin(f, f->leaf + b->leaf[i], &q);
+      for (int k = 0; k < 4; k++) {
+        memcpy(b->s[k] + from, q.sum.s[k], q.n * sizeof(double));
+        memcpy(b->low[k] + from, q.sum.low[k], q.n * sizeof(double));
+      }
+    }
+  if (!f->narrow) skf_far_near(f, b);
+}
+
+/* Column k of the sums */
+static void total(const skf_far *f, const far_bunch *b, int k, double *out) {
+  skf_batch_sum sum;
+  for (size_t from = 0, end = b->from[b->leaves], n; from < end; from += n) {
+    n = end - from < SKF_BATCH ? end - from : SKF_BATCH;
+    for (int c = 0; c < 4; c++) {
+      if (c && c != k) continue;
+      memcpy(sum.s[c], b->s[c] + from, n * sizeof(double));
+      memcpy(sum.low[c], b->low[c] + from, n * sizeof(double));
+    }
+    f->batch_ops->total(n, &sum, k, out + from);
+  }
 }
 
 typedef struct job {
   const skf_far *far;
   const double *const *p;
   double *out[4];
+  unsigned *leaf, *index; /* of each point; the points leaf by leaf */
 } job;
 
-/* Points from `from` on in the order of `index`, NULL: as they are. */
-static void do_block(const job *j, size_t leaf, const unsigned *index, size_t from, size_t n) {
-  far_points b = {.n = n};
-  double v[SKF_BATCH];
-  for (int k = 0; k < 3; k++)
-    for (size_t i = 0; i < n; i++) b.p[k][i] = j->p[k][index ? index[from + i] : from + i];
-  sum_block(j->far, leaf, &b);
+/* Points from `from` on in the order of `index` */
+static void do_bunch(const job *j, size_t from, size_t n) {
+  far_bunch b;
+  double v[FAR_POINTS];
+  b.leaves = 0;
+  for (size_t i = 0; i < n; i++) {
+    size_t at = j->index[from + i], leaf = j->leaf[at];
+    if (i == 0 || leaf != b.leaf[b.leaves - 1]) b.leaf[b.leaves] = leaf, b.from[b.leaves++] = i;
+    for (int k = 0; k < 3; k++) b.p[k][i] = j->p[k][at];
+  }
+  b.from[b.leaves] = n;
+  sum_bunch(j->far, &b);
   for (int k = 0; k < 4; k++) {
     if (!j->out[k]) continue;
-    j->far->batch_ops->total(n, &b.sum, k, v);
-    for (size_t i = 0; i < n; i++) j->out[k][index ? index[from + i] : from + i] += v[i];
+    total(j->far, &b, k, v);
+    for (size_t i = 0; i < n; i++) j->out[k][j->index[from + i]] += v[i];
   }
 }
 
 enum { CHUNK = 1 << 20 }; /* points sorted at once: 20 MB */
 
 typedef struct run {
-  unsigned leaf, from, n;
+  unsigned from, n;
 } run;
 
-/* Sorts the points of a chunk by leaf and cuts them into blocks; how many there are. */
-static size_t sort(const skf_far *f, size_t n, unsigned *leaf, unsigned *index, unsigned *count, run *runs) {
-  size_t blocks = 0;
-  memset(count, 0, (f->leaves + 1) * sizeof *count);
-  for (size_t i = 0; i < n; i++) count[leaf[i] + 1]++;
-  for (size_t k = 0; k < f->leaves; k++) count[k + 1] += count[k];
-  for (size_t k = 0; k < f->leaves; k++)
-    for (unsigned from = count[k]; from < count[k + 1]; from += SKF_BATCH) {
-      unsigned left = count[k + 1] - from;
-      runs[blocks++] = (run){(unsigned)k, from, left < SKF_BATCH ? left : SKF_BATCH};
+/* Sorts the points of a chunk by leaf and cuts them into bunches of `most` points; how many there are. */
+static size_t sort(const job *j, size_t n, size_t most, unsigned *count, run *runs) {
+  size_t leaves = j->far->leaves, bunches = 0, open = FAR_LEAVES;
+  memset(count, 0, (leaves + 1) * sizeof *count);
+  for (size_t i = 0; i < n; i++) count[j->leaf[i] + 1]++;
+  for (size_t k = 0; k < leaves; k++) count[k + 1] += count[k];
+  for (size_t k = 0; k < leaves; k++)
+    for (unsigned from = count[k], take; from < count[k + 1]; from += take, open++) {
+      if (open == FAR_LEAVES || runs[bunches - 1].n == most) runs[bunches++] = (run){from, 0}, open = 0;
+      run *r = runs + bunches - 1;
+      take = count[k + 1] - from < most - r->n ? count[k + 1] - from : (unsigned)most - r->n;
+      r->n += take;
     }
-  for (size_t i = 0; i < n; i++) index[count[leaf[i]]++] = (unsigned)i;
-  return blocks;
+  for (size_t i = 0; i < n; i++) j->index[count[j->leaf[i]]++] = (unsigned)i;
+  return bunches;
 }
 
-static bool do_chunk(const job *j, size_t n) {
+/* Points in a bunch: so many that all threads have some */
+static size_t bunch_size(size_t n) {
+  size_t each = n / (8 * (size_t)omp_get_max_threads());
+  return each < 32 ? 32 : each < FAR_POINTS ? each : FAR_POINTS;
+}
+
+static bool do_chunk(job *j, size_t n) {
   const skf_far *f = j->far;
-  size_t most = n / SKF_BATCH + (n < f->leaves ? n : f->leaves);
-  unsigned *leaf = skf_alloc(2 * n + f->leaves + 1, sizeof *leaf), *index = leaf + n;
-  run *runs = skf_alloc(most, sizeof *runs);
-  bool ok = leaf && runs;
+  size_t most = bunch_size(n), runs_most = n / most + (n < f->leaves ? n : f->leaves) + 1;
+  j->leaf = skf_alloc(2 * n + f->leaves + 1, sizeof *j->leaf), j->index = j->leaf + n;
+  run *runs = skf_alloc(runs_most, sizeof *runs);
+  bool ok = j->leaf && runs;
   if (ok) {
 #pragma omp parallel for schedule(static) if (n > 1024)
-    for (size_t i = 0; i < n; i++) leaf[i] = (unsigned)find(f, v3(j->p[0][i], j->p[1][i], j->p[2][i]));
-    size_t blocks = sort(f, n, leaf, index, index + n, runs);
-#pragma omp parallel for schedule(dynamic, 1) if (blocks > 1)
-    for (size_t i = 0; i < blocks; i++) do_block(j, runs[i].leaf, index, runs[i].from, runs[i].n);
+    for (size_t i = 0; i < n; i++) j->leaf[i] = (unsigned)find(f, v3(j->p[0][i], j->p[1][i], j->p[2][i]));
+    size_t bunches = sort(j, n, most, j->index + n, runs);
+#pragma omp parallel for schedule(dynamic, 1) if (bunches > 1)
+    for (size_t i = 0; i < bunches; i++) do_bunch(j, runs[i].from, runs[i].n);
   }
-  skf_free(leaf), skf_free(runs);
+  skf_free(j->leaf), skf_free(runs);
   return ok;
+}
+
+static void do_one(const skf_far *f, skf_vec3 p, double out[4]) {
+  far_bunch b = {.leaves = 1};
+  b.leaf[0] = find(f, p), b.from[1] = 1;
+  b.p[0][0] = p.x, b.p[1][0] = p.y, b.p[2][0] = p.z;
+  sum_bunch(f, &b);
+  for (int k = 0; k < 4; k++) total(f, &b, k, out + k);
 }
 
 void skf_far_add(const skf_far *f, size_t n, const double *const p[3], double *F, double *const g[3]) {
   for (size_t from = 0; from < n; from += CHUNK) {
     const double *const q[3] = {p[0] + from, p[1] + from, p[2] + from};
-    job j = {f, q, {F ? F + from : NULL, NULL, NULL, NULL}};
+    job j = {.far = f, .p = q, .out = {F ? F + from : NULL}};
     for (int k = 0; k < 3; k++) j.out[k + 1] = g && g[k] ? g[k] + from : NULL;
     size_t m = n - from < CHUNK ? n - from : CHUNK;
     if (m > 1 && do_chunk(&j, m)) continue;
 #pragma omp parallel for schedule(static) if (m > 1)
-    for (size_t i = 0; i < m; i++) /* no memory to sort them: the same values, one by one */
-      do_block(&j, find(f, v3(q[0][i], q[1][i], q[2][i])), NULL, i, 1);
+    for (size_t i = 0; i < m; i++) { /* no memory to sort them: the same values, one by one */
+      double out[4];
+      do_one(f, v3(q[0][i], q[1][i], q[2][i]), out);
+      for (int k = 0; k < 4; k++)
+        if (j.out[k]) j.out[k][i] += out[k];
+    }
   }
 }
 
@@ -200,15 +250,12 @@ static void harmonic_hessian(const skf_far *f, const far_leaf *l, skf_vec3 p, do
 }
 
 void skf_far_value(const skf_far *f, skf_vec3 p, int order, skf_value *v) {
-  far_points b = {.n = 1, .p = {{p.x}, {p.y}, {p.z}}};
-  size_t leaf = find(f, p);
   double out[4];
-  sum_block(f, leaf, &b);
-  for (int k = 0; k < 4; k++) f->batch_ops->total(1, &b.sum, k, out + k);
+  do_one(f, p, out);
   v->F += out[0];
   v->g = v3_add(v->g, v3(out[1], out[2], out[3]));
   if (order < 2) return;
-  const far_leaf *l = f->leaf + leaf;
+  const far_leaf *l = f->leaf + find(f, p);
   double h[6] = {0};
   if (l->tensor && f->harmonic)
     harmonic_hessian(f, l, p, h);

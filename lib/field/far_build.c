@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "field/far_parts.h"
 #include <omp.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* How many pieces a leaf may have around it: about what its expansion costs to make; for Gaussians, leaves a good deal
@@ -107,6 +108,11 @@ static bool list_below(skf_far *f, size_t *capacity, int source) {
   return true;
 }
 
+static int by_number(const void *a, const void *b) {
+  unsigned x = *(const unsigned *)a, y = *(const unsigned *)b;
+  return x < y ? -1 : x > y;
+}
+
 static bool list_around(skf_far *f, size_t *capacity, const far_target *p) {
   for (int i = 0; i < 27; i++) {
     int s = skf_far_tree_find(&f->tree, p->level, p->at[0] + i % 3 - 1, p->at[1] + i / 3 % 3 - 1, p->at[2] + i / 9 - 1);
@@ -130,6 +136,7 @@ static bool make_leaves(skf_far *f) {
                        f->list_count, 0};
     if (!f->narrow && !list_around(f, &capacity, p)) return false;
     leaf->count = f->list_count - leaf->first;
+    if (leaf->count) qsort(f->list + leaf->first, leaf->count, sizeof *f->list, by_number);
     f->leaf_of[k] = (unsigned)f->leaves++;
   }
   const int middle[3] = {1, 1, 1};

@@ -27,12 +27,21 @@ typedef struct far_ball {
   skf_vec3 center;
 } far_ball;
 
-/* A block of points in one leaf */
+/* Points, to which one batch after the other is added */
 typedef struct far_points {
   size_t n, padded;
   double p[3][SKF_BATCH];
   skf_batch_sum sum;
 } far_points;
+
+/* Points of some leaves, leaf after leaf, so that neighbours' sources are read once: those of the i-th leaf are from[i]
+   to from[i + 1] - 1. */
+enum { FAR_POINTS = 512, FAR_LEAVES = 16 };
+typedef struct far_bunch {
+  int leaves;
+  size_t leaf[FAR_LEAVES], from[FAR_LEAVES + 1];
+  double p[3][FAR_POINTS], s[4][FAR_POINTS], low[4][FAR_POINTS];
+} far_bunch;
 
 struct skf_far {
   far_layout layout;
@@ -56,6 +65,9 @@ struct skf_far {
 
 /* The tree is there; fills tensors and the whole's moments (layout.size). */
 skf_status skf_far_expand(skf_far *far, const skf_prepared *elements, double accuracy, double *whole);
+
+/* Adds to each point the sources around its leaf, always in the same order. */
+void skf_far_near(const skf_far *far, far_bunch *b);
 
 /* What Gaussian cells hold; whether it saves anything to pass over some. */
 skf_status skf_far_narrow(skf_far *far, const skf_prepared *elements, double accuracy);
