@@ -52,7 +52,9 @@ static bool write_all(png_structp png, png_infop info, sink *to, int width, int 
 bool skf_png_there(void) { return true; }
 
 skf_status skf_png_encode(int width, int height, int bits, const void *rgb, unsigned char **bytes, size_t *n) {
-  sink s = {NULL, 0, 0};
+  size_t room = 3 * (size_t)width * (size_t)height * (size_t)(bits / 8) / 2 + 4096; /* enough for nearly all */
+  sink s = {malloc(room), 0, room};
+  if (!s.bytes) s.room = 0;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, fail, silent);
   png_infop info = png ? png_create_info_struct(png) : NULL;
   bool good = info && write_all(png, info, &s, width, height, bits, rgb);

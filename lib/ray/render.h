@@ -8,15 +8,20 @@
 
 /* The camera's frame: p = from + z (forward + x right + y up) is seen at (x, y) on the picture plane at distance 1;
    with parallel rays at from + z forward + x right + y up. */
-typedef struct skf_view {
+typedef struct skf_view skf_view;
+typedef struct skf_beam skf_beam;
+/* Rays through n pixels from px on, `row` being on the picture plane in the middle of their row. */
+typedef void skf_view_row_fn(const skf_view *v, skf_vec3 row, int width, double px, int n, skf_beam *out);
+struct skf_view {
   skf_vec3 from, forward, right, up;
   double tan_x, tan_y; /* of half the angles of view; half the width and height where rays are parallel */
   bool parallel;
   double aperture, focus;
-} skf_view;
+  skf_view_row_fn *row;
+};
 
 /* A ray on its way. */
-typedef struct skf_beam {
+struct skf_beam {
   skf_vec3 from, direction;
   double time; /* of the shutter */
   int share;   /* which part of the directions to sky and lights, 0 to SKF_SHARES - 1; negative: all of them, few */
@@ -26,12 +31,13 @@ typedef struct skf_beam {
   bool scattered;   /* one of many through its pixel, which is their mean */
   double weight;    /* of its light in the pixel */
   double height;    /* in the picture, 0 to 1, of what a ray of the camera sees of the background; else < 0 */
-} skf_beam;
+};
 
 skf_status skf_view_make(const skf_camera *camera, double aspect, skf_view *out);
 /* Unit direction of the ray through (px, py) in pixels; and that and where it starts for n pixels of a row from px on.
  */
 skf_vec3 skf_view_ray(const skf_view *view, int width, int height, double px, double py);
+skf_view_row_fn skf_view_row_scalar, skf_view_row_avx2;
 void skf_view_row(const skf_view *view, int width, int height, double px, double py, int n, skf_beam *out);
 /* One through a place of the lens, (0, 0) its middle, 1 its rim. */
 void skf_view_lens(const skf_view *view, double x, double y, skf_vec3 *from, skf_vec3 *direction);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Cameras: rays, projection, and one that frames what there is. */
-#include "ray/render.h"
 #include "core/alloc.h"
 #include "field/envelope.h"
+#include "ray/render_camera_lanes.h"
+#include "simd/isa.h"
 
 skf_status skf_view_make(const skf_camera *c, double aspect, skf_view *out) {
   skf_vec3 way = v3_sub(c->to, c->from);
@@ -18,6 +19,10 @@ skf_status skf_view_make(const skf_camera *c, double aspect, skf_view *out) {
   out->up = v3_cross(out->right, out->forward);
   out->parallel = parallel;
   out->tan_y = parallel ? c->height / 2 : tan(c->fov / 2), out->tan_x = out->tan_y * aspect;
+  out->row = skf_view_row_scalar;
+#ifdef SKF_HAVE_AVX2
+  if (skf_isa_pick() != SKF_ISA_SCALAR) out->row = skf_view_row_avx2;
+#endif
   out->aperture = c->aperture, out->focus = c->focus > 0 ? c->focus : v3_norm(way);
   return SKF_OK;
 }
@@ -38,12 +43,12 @@ skf_vec3 skf_view_ray(const skf_view *v, int width, int height, double px, doubl
   return v->parallel ? v->forward : direction(in_row(v, on_row(v, v->forward, height, py), width, px));
 }
 
+void skf_view_row_scalar(const skf_view *v, skf_vec3 row, int width, double px, int n, skf_beam *out) {
+  view_row(v, row, width, px, n, out);
+}
+
 void skf_view_row(const skf_view *v, int width, int height, double px, double py, int n, skf_beam *out) {
-  skf_vec3 row = on_row(v, v->parallel ? v->from : v->forward, height, py);
-  for (int i = 0; i < n; i++) {
-    skf_vec3 at = in_row(v, row, width, px + i);
-    out[i].from = v->parallel ? at : v->from, out[i].direction = v->parallel ? v->forward : direction(at);
-  }
+  v->row(v, on_row(v, v->parallel ? v->from : v->forward, height, py), width, px, n, out);
 }
 
 void skf_view_lens(const skf_view *v, double x, double y, skf_vec3 *from, skf_vec3 *direction) {

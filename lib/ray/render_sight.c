@@ -4,8 +4,12 @@
 
 static bool moves(const skf_render_body *b) { return b->angle != 0 || b->sweep != 0 || v3_norm2(b->shift) > 0; }
 
+static skf_ray plain_ray(const skf_beam *beam, double t_max) {
+  return (skf_ray){beam->from, beam->direction, 0, t_max};
+}
+
 skf_ray skf_body_ray(const skf_render_body *b, const skf_beam *beam, double t_max) {
-  skf_ray ray = {beam->from, beam->direction, 0, t_max};
+  skf_ray ray = plain_ray(beam, t_max);
   if (!moves(b)) return ray;
   skf_body_own(b, beam->time, &ray.origin, &ray.direction);
   /* Moved there and back, a start on the surface is off it by more than rounding. */
@@ -14,9 +18,10 @@ skf_ray skf_body_ray(const skf_render_body *b, const skf_beam *beam, double t_ma
 }
 
 /* A hit in the body's own frame, as the beam sees it. */
-static void see(skf_sight *at, const skf_render_body *b, int body, const skf_hit *hit, const skf_beam *beam) {
+static void see(skf_sight *at, const skf_render_body *b, int body, bool moved, const skf_hit *hit,
+                const skf_beam *beam) {
   at->body = body, at->t = hit->t, at->at = at->own = hit->at, at->normal = hit->normal;
-  if (moves(b)) {
+  if (moved) {
     at->at = v3_mad(beam->from, hit->t, beam->direction);
     at->normal = skf_body_world(b, beam->time, hit->normal);
   }
@@ -35,7 +40,7 @@ bool skf_meet(const skf_render_body *b, const skf_beam *beam, skf_sight *best, i
   else if (skf_tracer_first(b->tracer, &ray, &hit, &found, report))
     found = false;
   if (!found || !(hit.t < best->t)) return false;
-  see(best, b, index, &hit, beam), best->item = item;
+  see(best, b, index, moves(b), &hit, beam), best->item = item;
   return true;
 }
 
@@ -62,10 +67,12 @@ static void meet_many(const skf_render_body *b, int index, size_t n, const skf_b
   skf_hit hits[SKF_MANY];
   bool found[SKF_MANY];
   if (n == 0) return;
-  for (size_t k = 0; k < n; k++) rays[k] = skf_body_ray(b, beams + k, out[k].t);
+  bool moved = moves(b);
+  for (size_t k = 0; k < n; k++)
+    rays[k] = moved ? skf_body_ray(b, beams + k, out[k].t) : plain_ray(beams + k, out[k].t);
   skf_tracer_first_many(b->tracer, n, rays, hits, found, NULL); /* what is wrong with a ray finds nothing */
   for (size_t k = 0; k < n; k++)
-    if (found[k] && hits[k].t < out[k].t) see(out + k, b, index, hits + k, beams + k);
+    if (found[k] && hits[k].t < out[k].t) see(out + k, b, index, moved, hits + k, beams + k);
 }
 
 void skf_look_many(const skf_stage *g, size_t n, const skf_beam *beams, skf_sight *out) {
