@@ -72,28 +72,34 @@ static int nodes(double range) {
   return rule[i].n;
 }
 
-/* Where the exponent has grown by 38 (e^-38 is below rounding) the piece ends. */
-static void add_piece(double a2, const skf_arc_frame *f, const skf_arc_piece *p, skf_arc_moments *m) {
+/* Where the exponent has grown by 38 (e^-38 is below rounding) the piece ends. Fourth powers need more nodes. */
+static void add_piece(double a2, const skf_arc_frame *f, const skf_arc_piece *p, int order, skf_arc_moments *m) {
   double B = a2 * f->spread, range = B * p->rise, length = p->length;
   double scale = exp(-a2 * (f->alpha + f->spread * p->sa * p->sa));
+  if (scale == 0) return; /* else the piece starts within its width of the nearest point: no cancellation below */
   if (range > 38) {
     length = fmin(length, asin(sqrt(fmin(1, p->sa * p->sa + 38 / B))) - p->xa);
     range = 38;
   }
-  int n = nodes(range);
-  const skf_gauss_node *node = skf_gauss_rule(n);
-  double g = -2 * a2, k = 4 * a2 * a2;
-  for (int j = 0; j < n; j++) {
-    double u = 0.5 * length * (1 + node[j].x), s = sin(p->xa + u), c = cos(p->xa + u), ss = s * s, cc = c * c;
-    double h = f->rho * length * scale * node[j].w * exp(-B * sin(u) * sin(u + 2 * p->xa)), odd = p->sign * s * c;
-    m->F += h;
-    m->g_cc += g * h * cc;
-    m->g_ss += g * h * ss;
-    m->k_c4 += k * h * cc * cc;
-    m->k_c2s2 += k * h * cc * ss;
-    m->k_s4 += k * h * ss * ss;
-    m->k_c3s += k * h * cc * odd;
-    m->k_cs3 += k * h * ss * odd;
+  for (int pass = 1; pass <= order; pass++) {
+    int n = pass == 1 ? nodes(range) : nodes(range) + 4 < SKF_GAUSS_MAX ? nodes(range) + 4 : SKF_GAUSS_MAX;
+    const skf_gauss_node *node = skf_gauss_rule(n);
+    double g = -2 * a2, k = 4 * a2 * a2;
+    for (int j = 0; j < n; j++) {
+      double u = 0.5 * length * (1 + node[j].x), s = sin(p->xa + u), c = cos(p->xa + u), ss = s * s, cc = c * c;
+      double h = f->rho * length * scale * node[j].w * exp(-B * sin(u) * sin(u + 2 * p->xa)), odd = p->sign * s * c;
+      if (pass == 1) {
+        m->F += h;
+        m->g_cc += g * h * cc;
+        m->g_ss += g * h * ss;
+        continue;
+      }
+      m->k_c4 += k * h * cc * cc;
+      m->k_c2s2 += k * h * cc * ss;
+      m->k_s4 += k * h * ss * ss;
+      m->k_c3s += k * h * cc * odd;
+      m->k_cs3 += k * h * ss * odd;
+    }
   }
 }
 
@@ -106,7 +112,7 @@ static void arc(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
   skf_arc_piece piece[4];
   int n = skf_arc_pieces(&f, true, piece);
   skf_arc_moments m = {.F = 0};
-  for (int i = 0; i < n; i++) add_piece(a2, &f, piece + i, &m);
+  for (int i = 0; i < n; i++) add_piece(a2, &f, piece + i, order, &m);
   double y = a2 * f.turn * f.k, near = exp(-a2 * fmin(f.r02, f.r12));
   m.ends = f.rho * a2 * f.turn * near * (fabs(y) > 1e-300 ? -expm1(-fabs(y)) / fabs(y) : 1);
   m.g_ends = -2 * a2 * m.ends;

@@ -135,7 +135,7 @@ static void splits(uint64_t *seed, const skf_element *e, skf_vec3 x) {
   bool rim = skf_kernel_get(e->kernel.type)->compact; /* F falls to 0 there and its conditioning with it */
   check_scaled(w.F, v.F, v.F + (rim ? 1e-3 * skf_primitive_measure(&e->primitive) : 0), 1e-13);
   check_scaled(v3_dist(v.g, w.g), 0, g, 1e-13);
-  check_scaled(norm6(D), 0, h, 1e-12);
+  check_scaled(norm6(D), 0, h, 1e-13);
 }
 
 static void test_splits(void **state) {

@@ -134,6 +134,16 @@ static void test_known_places(void **state) {
                                          3.9551475756702929e-05}}},
        .x = {-59056.446354494059, -25920.063052003981, 30976.681911036714},
        .size = 32768},
+      /* a Gaussian 1e9 times narrower than the radius, at an arc of more than half a turn */
+      {.element = {.kernel = {SKF_GAUSSIAN, 3e9},
+                   .primitive = {.shape = SKF_ARC,
+                                 .arc = {{0.984375, -0.015625, 0.9375},
+                                         {1, 0, 0},
+                                         {0, 0.99984437155356187, 0.017641787683306865},
+                                         1,
+                                         4.3561393721399604}}},
+       .x = {0.984375, 0.98421932566166459, 0.95514438859632456},
+       .size = 1},
   };
   field_error worst = {0, 0, 0};
   int limited = 0;
