@@ -123,7 +123,7 @@ int render_film(render_job *j) {
   if (!status) status = frames(j, &film);
   if (!status) status = avi_close(&film);
   free(film.index);
-  if (status) return cli_out_abort(&o), status;
+  if (status || !film.count) return cli_out_abort(&o), status ? status : CLI_FAILED; /* no film without a frame */
   status = cli_out_commit(&o);
   return status ? status : j->cut ? CLI_FAILED : CLI_DONE;
 }

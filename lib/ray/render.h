@@ -178,7 +178,9 @@ void skf_texture_color(const skf_texture *t, skf_vec3 p, const double uv[2], dou
 /* Gradient of the relief's height [1]. */
 skf_vec3 skf_texture_relief(const skf_texture *t, skf_vec3 p);
 /* Places of a primitive's surface by its own coordinates: around a point or an axis, along it; in a triangle along two
-   edges, all in [0, 1]; in a plane along two directions of its own [L], of any sign. */
+   edges, all in [0, 1], and mirrored at ends and edges; in a plane along two directions of its own [L], of any sign. */
 void skf_primitive_uv(const skf_primitive *p, skf_vec3 x, double uv[2]);
+/* Keeps such a place half a pixel away from where the picture ends, so that its opposite edge is not mixed in. */
+void skf_texture_inset(const skf_texture *t, skf_shape shape, double uv[2]);
 
 #endif

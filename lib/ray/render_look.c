@@ -96,8 +96,9 @@ static void dress(skf_look *look, skf_vec3 at, const skf_primitive *on, double s
       *relief = v3_mad(*relief, share, skf_texture_relief(t, at));
       continue;
     }
-    double rgb[3];
-    skf_texture_color(t, at, uv, rgb);
+    double rgb[3], place[2] = {uv[0], uv[1]};
+    if (on && t->type == SKF_TEXTURE_IMAGE) skf_texture_inset(t, on->shape, place);
+    skf_texture_color(t, at, place, rgb);
     for (int k = 0; k < 3; k++) look->color[k] = first ? rgb[k] : look->color[k] * rgb[k];
     first = false;
   }

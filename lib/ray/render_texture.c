@@ -136,13 +136,25 @@ static void ball_uv(skf_vec3 d, double uv[2]) {
   uv[0] = around(d, v3(1, 0, 0), v3(0, 1, 0)), uv[1] = r > 0 ? 0.5 + asin(fmin(fmax(d.z / r, -1), 1)) / SKF_PI : 0.5;
 }
 
+void skf_texture_inset(const skf_texture *t, skf_shape shape, double uv[2]) {
+  if (shape == SKF_PLANE) return; /* it has no ends */
+  double size[2] = {t->size / t->image->width, t->size / t->image->height};
+  for (int k = shape == SKF_TRIANGLE ? 0 : 1; k < 2; k++)
+    uv[k] = fmin(fmax(uv[k], fmin(0.5 * size[k], 0.5)), fmax(1 - 0.5 * size[k], 0.5));
+}
+
+/* Beyond an end the picture comes back as in a mirror: no seam there, and nothing is drawn out over a cap. */
+static double folded(double x) { return fmin(fabs(x - 2 * round(0.5 * x)), 1); }
+
 static void tube_uv(const skf_arc *a, skf_vec3 at, double uv[2]) {
   skf_vec3 n = v3_unit(a->normal), x = v3_unit(v3_mad(a->start, -v3_dot(a->start, n), n)), y = v3_cross(n, x);
   skf_vec3 d = v3_sub(at, a->center);
-  double turn = around(d, x, y) * 2 * SKF_PI;
-  if (turn > a->sweep) turn = turn - a->sweep < 2 * SKF_PI - turn ? a->sweep : 0;
-  skf_vec3 out = v3_add(v3_scale(cos(turn), x), v3_scale(sin(turn), y));
-  uv[0] = around(v3_mad(d, -a->radius, out), out, n), uv[1] = turn / a->sweep;
+  double turn = around(d, x, y) * 2 * SKF_PI, sweep = a->sweep;
+  bool past = turn > sweep;
+  if (past) turn = turn - sweep < 2 * SKF_PI - turn ? sweep : 0;
+  skf_vec3 out = v3_add(v3_scale(cos(turn), x), v3_scale(sin(turn), y)), q = v3_mad(d, -a->radius, out);
+  double beyond = past ? v3_dot(q, v3_cross(n, out)) / a->radius : 0; /* the end, straight on */
+  uv[0] = around(q, out, n), uv[1] = folded((turn + beyond) / sweep);
 }
 
 void skf_primitive_uv(const skf_primitive *p, skf_vec3 at, double uv[2]) {
@@ -152,14 +164,14 @@ void skf_primitive_uv(const skf_primitive *p, skf_vec3 at, double uv[2]) {
   case SKF_POINT: ball_uv(v3_sub(at, p->point.at), uv); break;
   case SKF_SEGMENT:
     a = v3_sub(p->segment.to, p->segment.from), d = v3_sub(at, p->segment.from), b = v3_perp(v3_unit(a));
-    uv[0] = around(d, b, v3_cross(v3_unit(a), b)), uv[1] = fmin(fmax(v3_dot(d, a) / v3_norm2(a), 0), 1);
+    uv[0] = around(d, b, v3_cross(v3_unit(a), b)), uv[1] = folded(v3_dot(d, a) / v3_norm2(a));
     break;
   case SKF_ARC: tube_uv(&p->arc, at, uv); break;
   case SKF_TRIANGLE: { /* the foot is v0 + u a + v b */
     a = v3_sub(v[1], v[0]), b = v3_sub(v[2], v[0]), d = v3_sub(at, v[0]);
     double aa = v3_dot(a, a), ab = v3_dot(a, b), bb = v3_dot(b, b), da = v3_dot(d, a), db = v3_dot(d, b);
     double det = aa * bb - ab * ab;
-    uv[0] = fmin(fmax((da * bb - db * ab) / det, 0), 1), uv[1] = fmin(fmax((db * aa - da * ab) / det, 0), 1);
+    uv[0] = folded((da * bb - db * ab) / det), uv[1] = folded((db * aa - da * ab) / det);
     break;
   }
   case SKF_PLANE:

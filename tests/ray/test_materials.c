@@ -242,12 +242,23 @@ static void images_by_uv(void **state) {
   }
   skf_texture_color(&t, v3(0, 0, 0), (const double[]){0.5, 0.75}, rgb);
   check_close(rgb[0], 0.5, 1e-12);
+  for (int i = 0; i < 4; i++) { /* at the ends of a segment the other one is not seen */
+    double end[2] = {corner[i][0], corner[i][1] > 0.5};
+    skf_texture_inset(&t, SKF_SEGMENT, end);
+    skf_texture_color(&t, v3(0, 0, 0), end, rgb);
+    for (int c = 0; c < 3; c++) check_close(rgb[c] + 1.0, pixels[3 * i + c] + 1.0, 1e-12);
+  }
   skf_primitive p = {.shape = SKF_SEGMENT, .segment = {{0, 0, 0}, {0, 0, 4}}};
   skf_primitive_uv(&p, v3(1, 0, 1), uv);
   double first = uv[0];
   check_close(uv[1], 0.25, 1e-14);
   skf_primitive_uv(&p, v3(-1, 0, 1), uv);
   check_close(fabs(uv[0] - first), 0.5, 1e-12);
+  static const double z[4] = {-1, 5, 4, -4}, mirrored[4] = {0.25, 0.75, 1, 1}; /* beyond the ends */
+  for (int i = 0; i < 4; i++) {
+    skf_primitive_uv(&p, v3(0.5, 0.1, z[i]), uv);
+    check_close(uv[1], mirrored[i], 1e-12);
+  }
   p = (skf_primitive){.shape = SKF_TRIANGLE, .triangle = {{{0, 0, 0}, {2, 0, 0}, {1, 3, 0}}}};
   skf_primitive_uv(&p, v3(0.25 * 2 + 0.5 * 1, 0.5 * 3, 0.7), uv);
   check_close(uv[0], 0.25, 1e-12);
@@ -255,6 +266,10 @@ static void images_by_uv(void **state) {
   p = (skf_primitive){.shape = SKF_ARC, .arc = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 2, SKF_PI}};
   skf_primitive_uv(&p, v3(0, 2.5, 0), uv);
   check_close(uv[1], 0.5, 1e-12);
+  for (int end = -1; end <= 1; end += 2) { /* straight on beyond the ends: 0.5 of the arc's length 2 pi */
+    skf_primitive_uv(&p, v3(1.9 * end, -0.5, 0.1), uv);
+    check_close(uv[1], end > 0 ? 0.25 / SKF_PI : 1 - 0.25 / SKF_PI, 1e-12);
+  }
   p = (skf_primitive){.shape = SKF_POINT, .point = {{0, 0, 0}}};
   skf_primitive_uv(&p, v3(0, 1, 1), uv);
   check_close(uv[0], 0.25, 1e-12);
