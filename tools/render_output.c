@@ -4,31 +4,18 @@
 #include "render_paths.h"
 #include "chart.h"
 #include "adapt/png_file.h"
+#include "core/alloc.h"
 #include "core/vec3.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 
 static bool run_is_shown(const render_job *j) { return j->run.particle_count || j->run.contact_count; }
-
-/* Room for n numbers, in large pages where the system has them: they are quicker to come by. */
-static float *room_for(size_t n) {
-  enum { PAGE = 1 << 21 };
-  size_t size = n * sizeof(float);
-  if (size < PAGE) return malloc(size);
-  size = (size + PAGE - 1) / PAGE * PAGE;
-  void *room = aligned_alloc(PAGE, size);
-#ifdef MADV_HUGEPAGE
-  if (room) madvise(room, size, MADV_HUGEPAGE); /* if not, small ones do */
-#endif
-  return room;
-}
 
 /* Traces the picture into rgb and, for paths, depth. */
 static int trace(render_job *j) {
   size_t n = (size_t)j->what.width * j->what.height;
-  if (!j->rgb) j->rgb = room_for(3 * n);
+  if (!j->rgb) j->rgb = skf_alloc(3 * n, sizeof *j->rgb);
   bool deep = run_is_shown(j); /* paths go behind bodies */
   if (deep && !j->depth) j->depth = malloc(n * sizeof *j->depth);
   if (!j->rgb || (deep && !j->depth)) return cli_fail(CLI_FAILED, "out of memory");

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From a scene to what is rendered: bodies, their offsets and skeletons, pictures on them, camera, floor. */
 #include "render_job.h"
+#include "core/alloc.h"
 #include "core/vec3.h"
 #include <errno.h>
 #include <math.h>
@@ -181,7 +182,7 @@ void render_release(render_job *j) {
   for (size_t i = 0; j->looks && i < n; i++) free(j->looks[i]);
   for (size_t i = 0; j->scene && i < j->scene->image_count; i++) free(j->scene->images[i]->pixels.rgb);
   free(j->tracers), free(j->bodies), free(j->offsets), free(j->items), free(j->looks), free(j->look_of), free(j->kept);
-  free(j->rgb), free(j->depth);
+  skf_free(j->rgb), free(j->depth);
   j->tracers = NULL, j->bodies = NULL, j->offsets = NULL, j->items = NULL, j->looks = NULL, j->look_of = NULL,
   j->kept = NULL;
   j->rgb = j->depth = NULL;

@@ -16,16 +16,24 @@ static bool refused(size_t n, size_t size) {
   return size != 0 && n > SIZE_MAX / size;
 }
 
-void *skf_alloc(size_t n, size_t size) { return refused(n, size) ? NULL : calloc(n ? n : 1, size ? size : 1); }
-
-void *skf_alloc_large(size_t n) {
-  if (refused(n, SKF_LARGE)) return NULL;
+/* Not zeroed. */
+static void *in_large_pages(size_t n) {
   void *p = aligned_alloc(SKF_LARGE, n * SKF_LARGE);
 #ifdef __linux__
   if (p) (void)madvise(p, n * SKF_LARGE, MADV_HUGEPAGE); /* it may say no */
 #endif
   return p;
 }
+
+void *skf_alloc(size_t n, size_t size) {
+  if (refused(n, size)) return NULL;
+  if (n * size < SKF_LARGE) return calloc(n ? n : 1, size ? size : 1);
+  if (n * size > SIZE_MAX - SKF_LARGE) return NULL;
+  void *p = in_large_pages((n * size + SKF_LARGE - 1) / SKF_LARGE);
+  return p ? memset(p, 0, n * size) : NULL;
+}
+
+void *skf_alloc_large(size_t n) { return refused(n, SKF_LARGE) ? NULL : in_large_pages(n); }
 
 void *skf_realloc(void *old, size_t n, size_t size) {
   return refused(n, size) ? NULL : realloc(old, n && size ? n * size : 1);

@@ -132,7 +132,7 @@ static skf_status put_number(skf_reader *r, const skf_node *node, double value) 
   if (!pool) return skf_error_set(r->error, SKF_ERR_NOMEM, 0, "out of memory");
   memcpy(pool + y->pool_size, text, n);
   y->pool = pool, y->pool_capacity = y->pool_size + n;
-  y->nodes[node - y->nodes].text = y->pool_size;
+  y->nodes[node - y->nodes].text = (uint32_t)y->pool_size;
   y->pool_size += n;
   return SKF_OK;
 }

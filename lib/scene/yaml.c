@@ -18,7 +18,7 @@ typedef struct builder {
   size_t length;
   long last_line;
   int depth;
-  size_t open[DEPTH], last[DEPTH]; /* the containers that are open, and their latest children */
+  uint32_t open[DEPTH], last[DEPTH]; /* the containers that are open, and their latest children */
 } builder;
 
 skf_status skf_error_set(skf_error *error, skf_status status, long line, const char *format, ...) {
@@ -91,10 +91,10 @@ static skf_status add(builder *b, skf_node node) {
   skf_node *nodes = grow(y->nodes, y->node_count + 1, &y->node_capacity, sizeof *nodes);
   if (!nodes) return skf_error_set(b->error, SKF_ERR_NOMEM, 0, "out of memory");
   y->nodes = nodes;
-  size_t id = y->node_count++;
+  uint32_t id = (uint32_t)y->node_count++;
   nodes[id] = node;
   if (b->depth) {
-    size_t *last = b->last + b->depth - 1, parent = b->open[b->depth - 1];
+    uint32_t *last = b->last + b->depth - 1, parent = b->open[b->depth - 1];
     if (*last) nodes[*last].next = id;
     if (!*last) nodes[parent].first = id;
     nodes[parent].count++;
@@ -117,15 +117,15 @@ static skf_status add_scalar(builder *b) {
   skf_node node = {.type = SKF_NODE_SCALAR,
                    .plain = e->data.scalar.style == YAML_PLAIN_SCALAR_STYLE,
                    .line = (int)line_of(b),
-                   .text = y->pool_size};
+                   .text = (uint32_t)y->pool_size};
   y->pool_size += n + 1;
   return add(b, node);
 }
 
-static skf_status open_container(builder *b, skf_node_type type) {
+static skf_status open_container(builder *b, unsigned char type) {
   if (b->depth == DEPTH)
     return skf_error_set(b->error, SKF_ERR_PARSE, line_of(b), "nested too deep, expected at most %d levels", DEPTH);
-  size_t id = b->y->node_count;
+  uint32_t id = (uint32_t)b->y->node_count;
   skf_status s = add(b, (skf_node){.type = type, .line = (int)line_of(b)});
   if (s) return s;
   b->open[b->depth] = id;
@@ -177,6 +177,7 @@ static skf_status build(builder *b) {
 
 skf_status skf_yaml_read(const char *text, size_t length, skf_yaml *out, skf_error *error) {
   *out = (skf_yaml){0};
+  if (length > UINT32_MAX / 2) return skf_error_set(error, SKF_ERR_PARSE, 1, "a larger file, expected at most 2 GiB");
   bool mark = length >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0; /* libyaml reads no %YAML behind it */
   if (mark) text += 3, length -= 3;
   builder b = {.y = out, .error = error, .text = text, .length = length};

@@ -4,17 +4,18 @@
 #define SKF_SCENE_YAML_H
 
 #include "skelfield/core.h"
+#include <stdint.h>
 
 typedef enum skf_node_type { SKF_NODE_SCALAR, SKF_NODE_LIST, SKF_NODE_MAP } skf_node_type;
 
 /* The children of a map are key, value, key, value, ... */
 typedef struct skf_node {
-  skf_node_type type;
-  bool plain;         /* a scalar without quotes */
-  int line;           /* where it starts, from 1 */
-  int count;          /* of children; pairs in a map */
-  size_t first, next; /* first child, next sibling; 0: none */
-  size_t text;        /* of a scalar, in the pool */
+  unsigned char type;   /* skf_node_type */
+  bool plain;           /* a scalar without quotes */
+  int line;             /* where it starts, from 1 */
+  int count;            /* of children; pairs in a map */
+  uint32_t first, next; /* first child, next sibling; 0: none */
+  uint32_t text;        /* of a scalar, in the pool */
 } skf_node;
 
 typedef struct skf_yaml {
