@@ -138,7 +138,11 @@ static void sort_bucket(side *s, size_t n) {
 
 static bool is_along(const skf_solid_mesh *m, unsigned at, unsigned lo) { return m->f[at / 3][at % 3] == lo; }
 
-/* One edge with n sides: as many must run one way as the other. */
+static bool is_twice(const skf_solid_mesh *m, unsigned lo, unsigned a, unsigned b) {
+  return is_along(m, a, lo) == is_along(m, b, lo) && m->f[a / 3][(a + 2) % 3] == m->f[b / 3][(b + 2) % 3];
+}
+
+/* One edge with n sides: as many must run one way as the other, of different faces. */
 static skf_status match(const skf_solid_mesh *m, unsigned lo, const side *s, size_t n, skf_solid_pair *out,
                         skf_error *e) {
   size_t along = 0, against = 0;
@@ -149,6 +153,11 @@ static skf_status match(const skf_solid_mesh *m, unsigned lo, const side *s, siz
     return skf_solid_refuse(e, SKF_ERR_DEGENERATE, "%s at the edge from %s to %s, which has %zu face%s%s", why,
                             show(m->v[lo]).text, show(m->v[s->hi]).text, n, n == 1 ? "" : "s", also);
   }
+  for (size_t i = 2; i < n; i++)
+    for (size_t j = 0; j < i; j++)
+      if (is_twice(m, lo, s[i].at, s[j].at))
+        return skf_solid_refuse(e, SKF_ERR_DEGENERATE, "has a face twice at the edge from %s to %s",
+                                show(m->v[lo]).text, show(m->v[s->hi]).text);
   for (size_t i = 0, j = 0, k = 0; k < along; k++, i++, j++) {
     while (!is_along(m, s[i].at, lo)) i++;
     while (is_along(m, s[j].at, lo)) j++;

@@ -120,8 +120,8 @@ typedef struct skf_solid_info {
 /* Copies the mesh. Triangles are counter-clockwise seen from outside and close: each edge has as many in one direction
    as in the other. Several components are fine, cavities among them: they face inward and lie inside. Equal vertices
    are joined, unused ones and faces of zero area are left out. Whether faces cross each other is not looked at.
-   SKF_ERR_RANGE (a number that is not finite, a wrong index), SKF_ERR_DEGENERATE (not closed, inconsistent or inward
-   orientation, no volume), SKF_ERR_CAPACITY or SKF_ERR_NOMEM; *error, if given, tells what and where. */
+   SKF_ERR_RANGE (a number that is not finite, a wrong index), SKF_ERR_DEGENERATE (not closed, a face twice,
+   inconsistent or inward, no volume), SKF_ERR_CAPACITY or SKF_ERR_NOMEM; *error, if given, tells what and where. */
 SKF_API skf_status skf_solid_new(const skf_vec3 *vertices, size_t vertex_count, const unsigned (*faces)[3],
                                  size_t face_count, skf_solid **out, skf_error *error);
 /* One more holder, and one less: the last one frees it. Fields hold the solids of their elements. NULL is fine. */

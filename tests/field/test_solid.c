@@ -418,6 +418,8 @@ static void malformed(void **state) {
   refuse(v, 8, (const unsigned(*)[3])f, 12, SKF_ERR_DEGENERATE, "inconsistent orientation");
   for (int i = 0; i < 12; i++) f[i][0] = sides[i][1], f[i][1] = sides[i][0], f[i][2] = sides[i][2];
   refuse(v, 8, (const unsigned(*)[3])f, 12, SKF_ERR_DEGENERATE, "faces inward (its volume is -1)");
+  for (int i = 0; i < 24; i++) memcpy(f[i], sides[i % 12], sizeof f[i]);
+  refuse(v, 8, (const unsigned(*)[3])f, 24, SKF_ERR_DEGENERATE, "has a face twice at the edge from (0, 0, 0) to");
   f[3][2] = 8;
   refuse(v, 8, (const unsigned(*)[3])f, 12, SKF_ERR_RANGE, "face 3 (from 0) has no vertex 8");
   v[2].y = NAN;
