@@ -44,8 +44,11 @@ static ends at_ends(double R, double r0, double r1, double q0, double q1, double
   ends s = {a[0] - b[0], 2 * (a[1] - b[1]), 2 * a[1], 2 * b[1]};
   if (q0 <= 0 || q1 <= 0) return s;
   double u = fmax(0, 3 * r0 / R - 1), v = fmax(0, 3 * r1 / R - 1);
-  if (u == 0 || v == 0) {
+  if (u == 0 || v == 0) { /* an end in the core: the other is no farther out of it than from this one */
+    double most = 3 * fabs(dw) / (R * (r0 + r1));
+    u = fmin(u, most), v = fmin(v, most);
     s.h = 3 * dw / R2 + 0.5 * (u - v) * (u + v);
+    s.g = 3 / R * (u / r0 - v / r1);
     return s;
   }
   double n = q0 / (R * (R + r0)) + q1 / (R * (R + r1));

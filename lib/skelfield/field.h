@@ -186,7 +186,7 @@ SKF_API const skf_element *skf_field_element(const skf_field *field, size_t i);
    SKELFIELD_ISA=scalar they are not); the sum loses nothing and does not depend on the instruction set.
    On a singular set: F = +-infinity and g = 0; see skf_pair_get. F is good to 1e-12, g to 1e-11 of max(|g|, |F| /
    max(size, distance)), the Hessian to 1e-10 of max(|h|, |F| / max(size, distance)^2), or to what eight ulps of p move
-   it: at 1e-9 to 1e6 sizes, widths of 1e-4 to 1e4 and supports up to 1e6 sizes, slivers down to 1e-6, at any scale.
+   it: at 1e-9 to 1e6 sizes, widths of 1e-4 to 1e4 and supports up to 1e6 sizes, slivers down to 1e-9, at any scale.
    Never NaN for finite p: closer than 1e-50 sizes to a singular set counts as on it where a derivative overflows. */
 SKF_API double skf_field_at(const skf_field *field, skf_vec3 p, skf_vec3 *g);
 
@@ -224,9 +224,9 @@ SKF_API void skf_field_f32_free(skf_field_f32 *field);
 SKF_API skf_status skf_field_f32_eval(const skf_field_f32 *field, size_t n, const float *const p[3], float *F,
                                       float *const g[3]);
 
-/* Solids, by any of these functions: F to 1e-13 and the gradient to 2e-13 of themselves, the Hessian to 1e-12 of
-   max(|h|, F / distance^2), inside, outside, on and next to faces, edges and vertices and out to 1e7 sizes. A batch
-   gets F, gradient and Hessian in one pass; a point by itself sums in another order. */
+/* Solids: F to 1e-13, the gradient to 2e-13 of themselves, the Hessian to 1e-12 of max(|h|, F / distance^2), inside,
+   outside, on and by faces, edges, vertices, out to 1e7 sizes; boxes 10 (100, 1000) times as long as thick to 3e-13
+   (2e-12, 1e-11). A batch gets all in one pass; a point by itself sums in another order. */
 
 /* How one kernel on one shape is evaluated. */
 typedef struct skf_pair_info {

@@ -134,6 +134,16 @@ static void test_known_places(void **state) {
                                          3.9551475756702929e-05}}},
        .x = {-59056.446354494059, -25920.063052003981, 30976.681911036714},
        .size = 32768},
+      /* a metaball's core ends at a distant arc, whose ends are as far to the last digit */
+      {.element = {.kernel = {SKF_METABALL, 385267691868.92291},
+                   .primitive = {.shape = SKF_ARC,
+                                 .arc = {{188416, 69632, -212992},
+                                         {-0.58926780084284114, -0.71958007075466024, -0.36737988603427896},
+                                         {0.71042251755522579, -0.67804232874882409, 0.18856947519513053},
+                                         262144,
+                                         2.8536410810256201}}},
+       .x = {75675470256.974869, 92410387289.982208, 47179653918.39991},
+       .size = 262144},
       /* a Gaussian 1e9 times narrower than the radius, at an arc of more than half a turn */
       {.element = {.kernel = {SKF_GAUSSIAN, 3e9},
                    .primitive = {.shape = SKF_ARC,
