@@ -342,7 +342,7 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
     if (mode == SKF_PLAIN)                                                                                             \
       for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, &row, SKF_PLAIN, 4, in, i, to, more);    \
     else                                                                                                               \
-      for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, &row, SKF_CAREFUL, 4, in, i, to, more);  \
+      for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, &row, SKF_MIXED, 4, in, i, to, more);    \
     for (; i < n; i += SKF_LANES) name##_some(tile, j, &row, SKF_MIXED, 1, in, i, to, more);                           \
   }                                                                                                                    \
   SKF_BATCH_WHOLE(name)

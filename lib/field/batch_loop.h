@@ -116,6 +116,13 @@ static inline double *pack_parameter(double *k, const skf_prepared *e) {
   return pack1(pack1(pack1(pack1(k, param), param2), 1 / param), 1 / param2);
 }
 
+/* Below a bound, all of these numbers, which are not negative, are, too: fewer steps than to compare each */
+SKF_INLINE skf_vd vd_total(size_t n, const skf_vd *w) {
+  skf_vd all = w[0];
+  for (size_t u = 1; u < n; u++) all += w[u];
+  return all;
+}
+
 /* Gaussians h of squared distances w of which some are from `most` on, where vd_exp2_products is not accurate, but 0
    from `zero` on: the lanes that are good in all */
 SKF_INLINE skf_vi vd_gaussian_far(skf_vd most, skf_vd zero, size_t n, const skf_vd *w, skf_vd *h) {
@@ -147,7 +154,7 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
 
 /* A form that depends on one measure of x alone, the strength in the row. WAY says which: `point`, the squared distance
    w from row->at, whence the gradient is along at - x; another has
-     int WAY_mode(const ROW_row *)                      for a row in all lanes: SKF_PLAIN, or SKF_CAREFUL
+     int WAY_mode(const ROW_row *)                      for a row in all lanes: SKF_PLAIN, or SKF_MIXED
      void WAY_measure(const ROW_row *, int mode, size_t n, const skf_v3d *x, skf_vd *w)     SKF_MIXED: lane by lane
      WAY_along(row, k, q)                               component k of the gradient's direction, q pointing at x.k
    and the form, of up to four vectors, stage after stage,
@@ -169,7 +176,7 @@ SKF_INLINE skf_vd vd_there(const void *p) {
   memcpy(&v, p, sizeof v);
   return v;
 }
-enum { SKF_MIXED, SKF_PLAIN, SKF_CAREFUL };
+enum { SKF_MIXED, SKF_PLAIN };
 #define point_mode(row)                   SKF_PLAIN
 #define point_measure(row, mode, n, x, w) ((void)(mode), squares_from((row)->at, n, x, w))
 #define point_along(row, k, q)            ((row)->at.k - vd_there(q))

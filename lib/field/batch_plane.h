@@ -38,16 +38,36 @@ SKF_INLINE skf_vd plane_careful(const plane_row *c, skf_v3d x) {
   return t + low;
 }
 
-/* Signed height to a few ulps, however far x is from the plane's point. In floats this is what rounding x does. */
-SKF_INLINE skf_vi plane_aligned(const plane_row *c) { return c->aligned > vd_set(SKF_PICK(0.5, -1)); }
-SKF_INLINE void plane_measure(const plane_row *c, int mode, size_t n, const skf_v3d *x, skf_vd *z) {
-  const skf_vi aligned = plane_aligned(c);
-  if (mode != SKF_CAREFUL) plane_plain(c, n, x, z);
-  if (mode == SKF_CAREFUL) { SKF_EACH(u, n) z[u] = plane_careful(c, x[u]); }
-  if (mode == SKF_MIXED && !vi_all(aligned)) { SKF_EACH(u, n) z[u] = vd_select(aligned, z[u], plane_careful(c, x[u])); }
-  SKF_EACH(u, n) z[u] *= c->per_length;
+/* Signed height to a few ulps, however far x is from the plane's point; for floats, what rounding x leaves. Where the
+   normal is along an axis nothing is lost. Else plain sums may lose an ulp or two of the distance from this point:
+   careful ones are taken where it is more than 24 heights. (By a call, so that the loops keep their registers.) */
+static __attribute__((noinline)) void plane_again(const plane_row *c, const skf_v3d *x, const skf_vi *enough,
+                                                  skf_vd *z) {
+  *z = vd_select(*enough, *z, plane_careful(c, *x) * c->per_length);
 }
-#define plane_mode(row)        (vi_all(plane_aligned(row)) ? SKF_PLAIN : SKF_CAREFUL)
+SKF_INLINE skf_vi plane_aligned(const plane_row *c) { return c->aligned > vd_set(SKF_PICK(0.5, -1)); }
+SKF_INLINE skf_vi plane_enough(const plane_row *c, skf_v3d x, skf_vd z) {
+  const skf_v3d d = vd3_sub(x, c->through);
+  return vd3_dot(d, d) < vd_set(576) * (z * z);
+}
+SKF_INLINE void plane_measure(const plane_row *c, int mode, size_t n, const skf_v3d *x, skf_vd *z) {
+  skf_vi all = vi_set(-1), enough[4];
+  plane_plain(c, n, x, z);
+  SKF_EACH(u, n) z[u] *= c->per_length;
+  if (mode == SKF_PLAIN) return;
+  SKF_EACH(u, n) enough[u] = plane_enough(c, x[u], z[u]) | plane_aligned(c);
+  SKF_EACH(u, n) all &= enough[u];
+  if (vi_all(all)) return;
+  SKF_EACH(u, n) {
+    if (vi_all(enough[u])) continue;
+    const skf_v3d at = x[u];
+    const skf_vi keep = enough[u];
+    skf_vd height = z[u];
+    plane_again(c, &at, &keep, &height);
+    z[u] = height;
+  }
+}
+#define plane_mode(row)        (vi_all(plane_aligned(row)) ? SKF_PLAIN : SKF_MIXED)
 #define plane_along(row, k, q) ((row)->unit.k)
 
 SKF_INLINE skf_vi plane_finite(size_t n, const skf_vd *z) {
@@ -69,10 +89,9 @@ SKF_INLINE skf_vi cauchy_plane_of(const plane_row *c, size_t n, const skf_vd *z,
 }
 
 SKF_INLINE skf_vi gaussian_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {
-  skf_vi good = vi_set(-1);
   skf_vd w[4], h[4];
   SKF_EACH(u, n) w[u] = z[u] * z[u];
-  SKF_EACH(u, n) good &= w[u] < c->most;
+  skf_vi good = vd_total(n, w) < c->most;
   vd_exp2_products(c->exponent, n, w, h);
   if (__builtin_expect(!vi_all(good), 0)) good = vd_gaussian_far(c->most, c->zero, n, w, h);
   SKF_EACH(u, n) F[u] = c->F * h[u];
@@ -88,14 +107,14 @@ SKF_INLINE skf_vi inverse_plane_of(const plane_row *c, size_t n, const skf_vd *z
 }
 
 SKF_INLINE skf_vi inverse_squared_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {
-  skf_vi good = vi_set(-1);
+  skf_vd powers = vd_set(0); /* of two: what is tiny, huge or NaN has large ones */
   skf_vlog l[4];
-  SKF_EACH(u, n) good &= vd_sane(z[u]);
   SKF_EACH(u, n) l[u] = vd_log_one(vd_abs(z[u]));
+  SKF_EACH(u, n) powers = vd_fma(l[u].count, l[u].count, powers);
   SKF_EACH(u, n) l[u].top = l[u].top / l[u].bottom;
   SKF_EACH(u, n) slope[u] = c->slope / z[u];
   SKF_EACH(u, n) F[u] = c->slope * vd_log_series(l[u].count, l[u].top);
-  return good;
+  return powers < vd_set(SKF_PICK(460 * 460, 60 * 60));
 }
 
 SKF_INLINE skf_vi metaball_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {

@@ -63,8 +63,7 @@ static double *gaussian_pack(const skf_prepared *e, double *k) {
 }
 
 SKF_INLINE skf_vi gaussian_point_of(const gaussian_row *c, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope) {
-  skf_vi good = vi_set(-1);
-  SKF_EACH(u, n) good &= w[u] < c->most;
+  skf_vi good = vd_total(n, w) < c->most;
   vd_exp2_products(c->exponent, n, w, slope);
   if (__builtin_expect(!vi_all(good), 0)) good = vd_gaussian_far(c->most, c->zero, n, w, slope);
   SKF_EACH(u, n) F[u] = c->strength * slope[u];
@@ -81,14 +80,12 @@ SKF_INLINE skf_vd point_power(const point_row *c, skf_v3d x, skf_v3d d, skf_vd w
   return vd_select(rim, power_exact(c->param, c->at, x, d), q);
 }
 
-/* Whether the plain difference, m times a power of two near 1, is far enough from 0: at 2^-10 it leaves some 5e-13 of
-   h. In floats it always is. Without the sign this is a range of half the numbers: one bit after a subtraction. */
-SKF_INLINE skf_vi point_off_rim(skf_vd m) {
-#ifdef SKF_VEC_FLOAT
-  return m > vd_set(-INFINITY);
-#else
-  return ((skf_vi)m << 1) - ((skf_vi)vd_set(0x1p-10) << 1 ^ vi_sign_bit()) < vi_set(0);
-#endif
+/* Whether all the plain differences, m times a power of two near 1, are far enough from 0: at 2^-10 they leave some
+   5e-13 of h. In floats they always are. (NaN is.) */
+SKF_INLINE skf_vi point_off_rim(size_t n, const skf_vd *m) {
+  skf_vd least = vd_set(1);
+  SKF_EACH(u, n) least = vd_min(vd_abs(m[u]), least);
+  return least > vd_set(SKF_PICK(0x1p-10, -1));
 }
 
 /* h = m^2, or m^2 (5 + 4 m) / 9; m = q / R^2, and 0 beyond R */
@@ -103,9 +100,8 @@ SKF_INLINE void soft_object_from(const point_row *c, size_t n, const skf_vd *m, 
 }
 
 SKF_INLINE skf_vi point_plain(const point_row *c, size_t n, const skf_vd *w, skf_vd *m) {
-  skf_vi good = vi_set(-1);
   SKF_EACH(u, n) m[u] = vd_fnma(w[u], c->per_param2, vd_set(1));
-  SKF_EACH(u, n) good &= point_off_rim(m[u]);
+  const skf_vi good = point_off_rim(n, m);
   SKF_EACH(u, n) m[u] = vd_max(m[u], vd_set(0));
   return good;
 }
@@ -140,10 +136,10 @@ SKF_INLINE void metaball_from(const point_row *c, size_t n, const skf_vd *w, con
   }
 }
 SKF_INLINE skf_vi metaball_point_of(const point_row *c, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope) {
-  skf_vi good = vi_set(-1);
-  skf_vd q[4];
+  skf_vd q[4], m[4];
   SKF_EACH(u, n) q[u] = c->param2 - w[u];
-  SKF_EACH(u, n) good &= point_off_rim(q[u] * c->per_param2) & (w[u] < vd_set(INFINITY));
+  SKF_EACH(u, n) m[u] = q[u] * c->per_param2;
+  const skf_vi good = point_off_rim(n, m) & (vd_total(n, w) < vd_set(INFINITY));
   metaball_from(c, n, w, q, F, slope);
   return good;
 }

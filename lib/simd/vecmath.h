@@ -190,8 +190,8 @@ SKF_INLINE skf_vd vd_exp2_product(skf_vd c, skf_vd x) {
   return (skf_vd)((skf_vi)s + ((skf_vi)whole << SKF_MANTISSA));
 }
 
-/* The same of n vectors side by side, stage after stage: many short chains, and no quotients, keep the processor busy
-   where nothing else waits. */
+/* The same of n vectors side by side, stage after stage: so many chains, and no quotients, keep the processor busy
+   where nothing else waits; then the fewest products count, not the shortest chain. */
 SKF_INLINE void vd_exp2_products(skf_vd c, const size_t n, const skf_vd *x, skf_vd *h) {
 #ifdef SKF_VEC_FLOAT
   /* 2^f for |f| <= 1/2: 5e-9 */
@@ -209,7 +209,7 @@ SKF_INLINE void vd_exp2_products(skf_vd c, const size_t n, const skf_vd *x, skf_
   skf_vd whole[4], f[4];
   SKF_EACH(u, n) whole[u] = vd_fma(c, x[u], shift);
   SKF_EACH(u, n) f[u] = vd_fms(c, x[u], whole[u] - shift);
-  SKF_EACH(u, n) f[u] = vd_fma(vd_estrin(p, sizeof p / sizeof *p, f[u]), f[u], vd_set(1));
+  SKF_EACH(u, n) f[u] = vd_fma(vd_halves(p, sizeof p / sizeof *p, f[u]), f[u], vd_set(1));
   SKF_EACH(u, n) h[u] = (skf_vd)((skf_vi)f[u] + ((skf_vi)whole[u] << SKF_MANTISSA));
 }
 
