@@ -2,7 +2,7 @@
 /* Large sums of elements of one kernel, 1/r, 1/r^2 or Cauchy, by a fast multipole method: 1/r in solid harmonics
    (far_harmonic.h), the others in Chebyshev polynomials [Fong & Darve 2009], whose kernels between cells are sums of
    Gaussians (far_mixture.h). Everything that depends on the sources alone is computed once: a point adds up the
-   elements in the 27 cells around its own by their closed forms, and one expansion for all others. A point outside of
+   elements in the cells near its own by their closed forms, and one expansion for all others. A point outside of
    the root sees the whole as harmonics around its middle or as weighted points. Gaussians that are narrow next to the
    whole have no expansions: those that matter at a point are summed (far_narrow.c). */
 #ifndef SKF_FIELD_FAR_H

@@ -10,14 +10,15 @@
    smaller than what reaches them. */
 static size_t around(skf_kernel_type type, double accuracy) {
   double digits = -log10(accuracy);
-  return type == SKF_GAUSSIAN ? 600 : (size_t)fmax(600, (type == SKF_INVERSE ? 30 : 55) * digits * digits);
+  return type == SKF_GAUSSIAN ? 600 : (size_t)fmax(600, (type == SKF_INVERSE ? 37 : 55) * digits * digits);
 }
 
 /* Cells of targets: at most 256 MiB and 1 KiB for each element; of Gaussians, that have no tensors, as many as there
    are. */
 static size_t most_targets(skf_kernel_type type, size_t n, double accuracy) {
   double digits = -log10(accuracy), order = 4 + 3 * digits;
-  double tensor = type == SKF_INVERSE ? 144 * digits * digits : 8 * (order * order * order / 6 + 2 * order * order);
+  double tensor =
+      type == SKF_INVERSE ? 8 * pow(4.5 * digits + 2, 2) : 8 * (order * order * order / 6 + 2 * order * order);
   return type == SKF_GAUSSIAN ? n + 4096 : (size_t)((0x1p28 + 0x1p10 * (double)n) / tensor);
 }
 
@@ -114,8 +115,9 @@ static int by_number(const void *a, const void *b) {
 }
 
 static bool list_around(skf_far *f, size_t *capacity, const far_target *p) {
-  for (int i = 0; i < 27; i++) {
-    int s = skf_far_tree_find(&f->tree, p->level, p->at[0] + i % 3 - 1, p->at[1] + i / 3 % 3 - 1, p->at[2] + i / 9 - 1);
+  for (int i = 0; i < f->tree.around; i++) {
+    const signed char *d = skf_far_around[i];
+    int s = skf_far_tree_find(&f->tree, p->level, p->at[0] + d[0], p->at[1] + d[1], p->at[2] + d[2]);
     if (s >= 0 && !list_below(f, capacity, s)) return false;
   }
   return true;
@@ -162,7 +164,8 @@ skf_status skf_far_new(const skf_batch_ops *batch_ops, bool vectors, const skf_p
 #endif
     (void)vectors;
     s = SKF_ERR_UNSUPPORTED;
-    if (skf_far_tree_build(elements, n, around(type, accuracy), most_targets(type, n, accuracy), &f->tree))
+    if (skf_far_tree_build(elements, n, type == SKF_INVERSE ? FAR_NEAR : FAR_NEIGHBOURS, around(type, accuracy),
+                           most_targets(type, n, accuracy), &f->tree))
       s = narrow ? skf_far_narrow(f, elements, accuracy) : skf_far_expand(f, elements, accuracy, whole);
     if (!s && narrow && !skf_far_narrow_pays(f)) s = SKF_ERR_UNSUPPORTED;
     if (!s) s = make_batches(f, elements, whole);

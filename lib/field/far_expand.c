@@ -38,8 +38,8 @@ static bool same_block(const member *a, const member *b) { return !memcmp(a->blo
 
 static void do_block(const far_job *j, int level, const member *m, size_t n) {
   far_block b;
-  int origin[3];
-  for (int k = 0; k < 3; k++) origin[k] = m->block[k] * BLOCK;
+  const int *origin = b.origin;
+  for (int k = 0; k < 3; k++) b.origin[k] = m->block[k] * BLOCK;
   memset(b.target, -1, sizeof b.target);
   memset(b.column, 0, sizeof b.column);
   memset(b.row, 0, sizeof b.row);

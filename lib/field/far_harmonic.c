@@ -93,28 +93,34 @@ static double *up_new(int order, double t) {
   return out;
 }
 
-/* How many degrees an interaction takes of cells whose middles are sqrt(d2) apart, to 6 and to 12 digits of the
-   gradient of a pair relative to 1/r^2; between is a straight line. Measured: all but one in a thousand of pairs at
-   random places are within that. Facing corners of close cells are not, at 6 digits F comes out to 2e-5 and the
-   gradient to 1e-3 at worst (d2 = 4): many sources, whose errors are of any sign, together stay far below the accuracy.
- */
+/* How many degrees an interaction takes of cells whose middles are sqrt(d2) apart, so that the gradient of each pair of
+   points comes out to two and to twelve digits of 1/r^2, and F to more; between is a straight line. Measured between
+   faces, edges and corners, where errors, harmonic in both points, are largest. tests/field/test_far.c measures the
+   outcome. */
 static int order_of(int d2, double accuracy) {
   static const struct {
-    int d2, six, twelve;
-  } table[] = {{4, 25, 50},  {5, 21, 42},  {6, 19, 38},  {8, 17, 31},  {9, 17, 31},  {10, 15, 28}, {11, 15, 28},
-               {12, 16, 30}, {13, 14, 26}, {14, 14, 26}, {17, 13, 24}, {18, 12, 23}, {19, 12, 22}, {27, 12, 22}};
+    int d2, two, twelve;
+  } table[] = {{5, 12, 55}, {6, 12, 48}, {8, 9, 35},  {9, 9, 34},  {10, 7, 29}, {11, 7, 29}, {12, 8, 30},
+               {14, 6, 26}, {16, 6, 23}, {17, 6, 24}, {19, 6, 23}, {22, 6, 22}, {27, 6, 21}};
   size_t i = 0;
   while (table[i].d2 < d2) i++;
-  double share = (-log10(accuracy) - 6) / 6, n = table[i].six + share * (table[i].twelve - table[i].six);
-  return n > 4 ? (int)ceil(n - 1e-9) : 4;
+  double share = (-log10(accuracy) - 2) / 10, n = table[i].two + share * (table[i].twelve - table[i].two);
+  return (int)ceil(n - 1e-9);
+}
+
+/* Whether children of cells that are near, neighbours or two apart, are at a shift and are not near themselves. */
+static bool occurs(const int at[3]) {
+  int most = 0, far = 0;
+  for (int k = 0; k < 3; k++) most = abs(at[k]) > most ? abs(at[k]) : most, far += abs(at[k]) > 1;
+  return !far_is_near(at) && (most <= FAR_REACH || far == 1);
 }
 
 static bool make_over(far_harmonic *h, const int at[3], double accuracy) {
   int x = at[0], y = at[1], z = at[2], across = x * x + y * y, all = across + z * z, order = order_of(all, accuracy);
-  double **turn = &h->turns[z + FAR_REACH][across], **along = &h->alongs[all], r = sqrt(across);
+  double **turn = &h->turns[z + FAR_LONG][across], **along = &h->alongs[all], r = sqrt(across);
   if (!*turn && !(*turn = turn_new(order, z / sqrt(all), r / sqrt(all)))) return false;
   if (!*along && !(*along = over_new(order, sqrt(all)))) return false;
-  h->over[x + FAR_REACH][y + FAR_REACH][z + FAR_REACH] =
+  h->over[x + FAR_LONG][y + FAR_LONG][z + FAR_LONG] =
       (far_move){order, *turn, *along, across ? x / r : 1, across ? y / r : 0};
   return true;
 }
@@ -131,10 +137,9 @@ static bool make(far_harmonic *h, double accuracy) {
       h->norm[far_cosine(l, m)] = low * sqrt(f) * (m ? sqrt(2) : 1);
       if (m) h->norm[far_sine(l, m)] = h->norm[far_cosine(l, m)];
     }
-  for (int i = 0; i < 343; i++) {
-    const int at[3] = {i % 7 - 3, i / 7 % 7 - 3, i / 49 - 3};
-    if (abs(at[0]) < 2 && abs(at[1]) < 2 && abs(at[2]) < 2) continue;
-    if (!make_over(h, at, accuracy)) return false;
+  for (int i = 0; i < FAR_WAYS * FAR_WAYS * FAR_WAYS; i++) {
+    const int at[3] = {i % FAR_WAYS - FAR_LONG, i / FAR_WAYS % FAR_WAYS - FAR_LONG, i / FAR_WAYS / FAR_WAYS - FAR_LONG};
+    if (occurs(at) && !make_over(h, at, accuracy)) return false;
   }
   h->child_along = up_new(n, sqrt(3) / 4);
   for (int i = 0; i < 2; i++) h->child_turn[i] = turn_new(n, (i ? 1 : -1) / sqrt(3), sqrt(2. / 3));
@@ -148,7 +153,7 @@ static bool make(far_harmonic *h, double accuracy) {
 far_harmonic *skf_far_harmonic_new(double accuracy) {
   far_harmonic *h = skf_alloc(1, sizeof *h);
   if (!h) return NULL;
-  h->order = order_of(4, accuracy);
+  h->order = order_of(5, accuracy);
   h->size = (size_t)(h->order * h->order + 3) / 4 * 4;
   for (int i = 0; i < 2; i++) h->step[i] = skf_alloc(h->size, sizeof(double));
   h->norm = skf_alloc(h->size, sizeof(double));
@@ -159,9 +164,9 @@ far_harmonic *skf_far_harmonic_new(double accuracy) {
 static void drop(double **table) { skf_free(*table), *table = NULL; }
 
 void skf_far_harmonic_free_ways(far_harmonic *h) {
-  for (int i = 0; i < FAR_SHIFTS; i++)
-    for (int k = 0; k < 3 * FAR_REACH * FAR_REACH; k++) drop(&h->turns[i][k]);
-  for (int k = 0; k <= 3 * FAR_REACH * FAR_REACH; k++) drop(&h->alongs[k]);
+  for (int i = 0; i < FAR_WAYS; i++)
+    for (int k = 0; k < FAR_SQUARES; k++) drop(&h->turns[i][k]);
+  for (int k = 0; k < FAR_SQUARES; k++) drop(&h->alongs[k]);
   drop(&h->child_turn[0]), drop(&h->child_turn[1]), drop(&h->child_along);
 }
 

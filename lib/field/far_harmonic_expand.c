@@ -66,29 +66,43 @@ static bool ready(const far_job *j, int level) {
   return true;
 }
 
-/* Whether a source at a shift is the business of the target: its parent is a neighbour of the target's. */
+/* Rounded down */
+static int half(int i) { return i >= 0 ? i / 2 : -((1 - i) / 2); }
+
+/* Whether a source at a shift is the business of the block's target: its parent is near the target's, it is not near
+   itself. */
 static bool concerns(const int shift[3], const int target[3]) {
-  for (int k = 0; k < 3; k++)
-    if (far_shift_of(target[k] + shift[k] + BLOCK / 2, target[k]) == FAR_SHIFTS) return false;
-  return true;
+  int parent[3];
+  for (int k = 0; k < 3; k++) parent[k] = half(target[k] + shift[k]) - half(target[k]);
+  return far_is_near(parent);
 }
 
-static void from_shift(const far_job *j, const far_block *b, const int shift[3], group *g) {
+/* The moments at a place counted from the block's corner; NULL: none. */
+static const double *source_at(const far_job *j, int level, const int origin[3], const int at[3]) {
+  int k = skf_far_tree_find(&j->far->tree, level, origin[0] + at[0], origin[1] + at[1], origin[2] + at[2]);
+  return k < 0 ? NULL : far_moments_of(j, (size_t)k);
+}
+
+static void from_shift(const far_job *j, int level, const far_block *b, const int shift[3], group *g) {
   for (int i = 0; i < BLOCK * BLOCK * BLOCK; i++) {
     const int t[3] = {i % BLOCK, i / BLOCK % BLOCK, i / BLOCK / BLOCK}, target = b->target[t[0]][t[1]][t[2]];
     if (target < 0 || !concerns(shift, t)) continue;
-    const double *source = b->source[t[2] + shift[2] + 2][t[1] + shift[1] + 2][t[0] + shift[0] + 2];
+    const int at[3] = {t[0] + shift[0], t[1] + shift[1], t[2] + shift[2]};
+    bool inside = true;
+    for (int k = 0; k < 3; k++) inside = inside && at[k] >= -2 && at[k] < AROUND - 2;
+    const double *source = inside ? b->source[at[2] + 2][at[1] + 2][at[0] + 2] : source_at(j, level, b->origin, at);
     if (source) add(g, source, far_tensor_of(j, (size_t)target));
   }
   go(g);
 }
 
 static void across(const far_job *j, int level, const far_block *b) {
-  for (int i = 0; i < FAR_SHIFTS * FAR_SHIFTS * FAR_SHIFTS; i++) {
-    const int shift[3] = {i % 7 - FAR_REACH, i / 7 % 7 - FAR_REACH, i / 49 - FAR_REACH};
-    const far_move *move = &j->far->harmonic->over[FAR_REACH - shift[0]][FAR_REACH - shift[1]][FAR_REACH - shift[2]];
+  for (int i = 0; i < FAR_WAYS * FAR_WAYS * FAR_WAYS; i++) {
+    const int shift[3] = {i % FAR_WAYS - FAR_LONG, i / FAR_WAYS % FAR_WAYS - FAR_LONG,
+                          i / FAR_WAYS / FAR_WAYS - FAR_LONG};
+    const far_move *move = &j->far->harmonic->over[FAR_LONG - shift[0]][FAR_LONG - shift[1]][FAR_LONG - shift[2]];
     group g = {.j = j, .move = move, .kind = FAR_OVER, .by = 1 / far_side(&j->far->tree, level)};
-    if (move->order) from_shift(j, b, shift, &g);
+    if (move->order) from_shift(j, level, b, shift, &g);
   }
 }
 

@@ -14,6 +14,7 @@ enum { BLOCK = 4, AROUND = BLOCK + 4, FAR_ROOM = 2 * AROUND + 2 };
 
 /* A block's targets and the moments around them; -1, NULL: none. */
 typedef struct far_block {
+  int origin[3];
   int target[BLOCK][BLOCK][BLOCK];
   const double *source[AROUND][AROUND][AROUND]; /* [z][y][x], from two cells before the block */
   bool column[BLOCK], row[BLOCK][BLOCK];        /* whether any target is at [x], at [x][y] */

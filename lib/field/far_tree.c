@@ -4,6 +4,12 @@
 #include <float.h>
 #include <string.h>
 
+const signed char skf_far_around[FAR_NEAR][3] = {
+    {-1, -1, -1}, {0, -1, -1}, {1, -1, -1}, {-1, 0, -1}, {0, 0, -1}, {1, 0, -1}, {-1, 1, -1}, {0, 1, -1}, {1, 1, -1},
+    {-1, -1, 0},  {0, -1, 0},  {1, -1, 0},  {-1, 0, 0},  {0, 0, 0},  {1, 0, 0},  {-1, 1, 0},  {0, 1, 0},  {1, 1, 0},
+    {-1, -1, 1},  {0, -1, 1},  {1, -1, 1},  {-1, 0, 1},  {0, 0, 1},  {1, 0, 1},  {-1, 1, 1},  {0, 1, 1},  {1, 1, 1},
+    {-2, 0, 0},   {2, 0, 0},   {0, -2, 0},  {0, 2, 0},   {0, 0, -2}, {0, 0, 2}};
+
 static size_t slot_of(const far_tree *t, int level, int x, int y, int z) {
   unsigned long long h = (unsigned long long)level;
   h = h * 0x9e3779b97f4a7c15u + (unsigned long long)x;
@@ -126,10 +132,11 @@ static size_t mark(far_tree *t, int level, size_t near, unsigned char *split) {
   size_t first = t->target_level[level], n = 0;
   for (size_t i = first; i < t->target_count; i++) {
     const int *at = t->target[i].at;
-    int around[27], found = 0;
+    int around[FAR_NEAR], found = 0;
     size_t count = 0;
-    for (int k = 0; k < 27; k++) {
-      int s = skf_far_tree_find(t, level, at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1);
+    for (int k = 0; k < t->around; k++) {
+      const signed char *d = skf_far_around[k];
+      int s = skf_far_tree_find(t, level, at[0] + d[0], at[1] + d[1], at[2] + d[2]);
       if (s >= 0) count += t->source[s].count, around[found++] = s;
     }
     if ((split[i - first] = count > near) == 0) continue;
@@ -209,8 +216,8 @@ static bool frame(const skf_prepared *e, size_t n, far_tree *t, int *deepest) {
   return wide > 1e-280 && wide < 1e140 && *deepest > 0;
 }
 
-bool skf_far_tree_build(const skf_prepared *e, size_t n, size_t near, size_t most, far_tree *t) {
-  *t = (far_tree){.levels = 0};
+bool skf_far_tree_build(const skf_prepared *e, size_t n, int around, size_t near, size_t most, far_tree *t) {
+  *t = (far_tree){.around = around};
   far_pieces level[2] = {{NULL, 0, 0}, {NULL, 0, 0}}, rest = {NULL, 0, 0};
   sorted work = {{{NULL, 0, 0}}};
   int deepest;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Two octrees over the same grid: cells that hold sources, and cells of targets. A cell of targets is split while the
-   27 cells around it hold too many pieces, and with it those cells are, if sources are in them; so all cells that a
-   cell of targets interacts with are there, and none has many pieces to sum one by one. */
+   cells near it hold too many pieces, and with it those cells are, if sources are in them; so all cells that a cell of
+   targets interacts with are there, and none has many pieces to sum one by one. */
 #ifndef SKF_FIELD_FAR_TREE_H
 #define SKF_FIELD_FAR_TREE_H
 
@@ -9,6 +9,11 @@
 #include "field/far_piece.h"
 
 enum { FAR_DEPTH = 18 };
+
+/* Shifts of the cells near a cell: it and its 26 neighbours; for harmonics, which converge slowly there, also the six
+   that are two cells away along one axis. */
+enum { FAR_NEIGHBOURS = 27, FAR_NEAR = 33 };
+extern const signed char skf_far_around[FAR_NEAR][3];
 
 /* At level l the cube with all sources is 2^l cells wide, and the root is three such cubes wide; `at` counts from the
    root's corner. */
@@ -25,9 +30,9 @@ typedef struct far_target {
 } far_target;
 
 typedef struct far_tree {
-  skf_vec3 lo; /* corner of the cube with the sources */
-  double side; /* of the cube */
-  int levels;
+  skf_vec3 lo;        /* corner of the cube with the sources */
+  double side;        /* of the cube */
+  int levels, around; /* `around`: how many cells are near */
   far_source *source;
   far_target *target;
   size_t source_count, source_capacity, target_count, target_capacity;
@@ -37,9 +42,10 @@ typedef struct far_tree {
   size_t table_size;
 } far_tree;
 
-/* `near`: how many pieces a target may have around it; at most `most` cells of targets. False when memory is out or the
-   sources are no cloud: all in one place, or too far from the origin for their extent. */
-bool skf_far_tree_build(const skf_prepared *elements, size_t n, size_t near, size_t most, far_tree *out);
+/* `around`: FAR_NEIGHBOURS or FAR_NEAR; `near`: how many pieces a target may have there; at most `most` cells of
+   targets. False when memory is out or the sources are no cloud: all in one place, or too far from the origin for their
+   extent. */
+bool skf_far_tree_build(const skf_prepared *elements, size_t n, int around, size_t near, size_t most, far_tree *out);
 void skf_far_tree_free(far_tree *tree);
 
 /* The cell of sources there, -1: none. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Expansions in Chebyshev polynomials between two cells, one source and one target at a time: faces, facing corners. */
+/* Expansions in Chebyshev polynomials and in solid harmonics between two cells, one source and one target at a time:
+   faces, facing corners. */
 #include "check.h"
 #include "field/far_tensor.h"
 #include "random.h"
@@ -95,7 +96,77 @@ static void test_cells(void **state) {
     for (size_t i = 0; i < sizeof accuracies / sizeof *accuracies; i++) check_kernel(kernels[k], accuracies[i]);
 }
 
+static bool has_way(const far_harmonic *h, const int s[3]) {
+  return h->over[FAR_LONG + s[0]][FAR_LONG + s[1]][FAR_LONG + s[2]].order > 0;
+}
+
+/* What a unit source at y does to the cell `shift` away: coefficients in `out`. */
+static void carry_harmonics(const far_harmonic *h, const double y[3], const int shift[3]) {
+  double x[4][FAR_GATHER] = {{y[0]}, {y[1]}, {y[2]}, {1}};
+  const double *from[FAR_GROUP] = {in};
+  double *to[FAR_GROUP] = {out};
+  memset(in, 0, h->size * sizeof *in), memset(out, 0, h->size * sizeof *out);
+  skf_far_scalar.gather(h, (const double(*)[FAR_GATHER])x, in);
+  for (size_t k = 0; k < h->size; k++) in[k] *= h->norm[k];
+  skf_far_scalar.transfer(&h->over[FAR_LONG + shift[0]][FAR_LONG + shift[1]][FAR_LONG + shift[2]], FAR_OVER, 1, 1, from,
+                          to, room[0]);
+  for (size_t k = 0; k < h->size; k++) out[k] *= h->norm[k];
+}
+
+/* The worst errors of F, of 1/r, and of the gradient, of 1/r^2. */
+static void compare_harmonics(uint64_t *seed, const far_harmonic *h, const double y[3], const int shift[3],
+                              double worst[2]) {
+  static double x[3][TARGETS], got[4][TARGETS];
+  for (size_t i = 0; i < TARGETS; i++)
+    for (int k = 0; k < 3; k++) x[k][i] = i < 8 ? ((i >> k & 1) ? 0.5 : -0.5) : coordinate(seed, i);
+  skf_far_scalar.evaluate(h, out, TARGETS, 1, (const double(*)[TARGETS])x, got);
+  for (size_t i = 0; i < TARGETS; i++) {
+    skf_vec3 d = v3(x[0][i] + shift[0] - y[0], x[1][i] + shift[1] - y[1], x[2][i] + shift[2] - y[2]);
+    double r = v3_norm(d);
+    skf_vec3 off = v3_mad(v3(got[1][i], got[2][i], got[3][i]), 1 / (r * r * r), d);
+    worst[0] = fmax(worst[0], fabs(got[0][i] * r - 1));
+    worst[1] = fmax(worst[1], v3_norm(off) * r * r);
+  }
+}
+
+/* All ways there are, each turned or mirrored in one of several manners. */
+static void check_harmonics(double accuracy) {
+  uint64_t seed = 32;
+  double worst[2] = {0, 0};
+  far_harmonic *h = skf_far_harmonic_new(accuracy);
+  assert_non_null(h);
+  in = aligned_alloc(64, (18 * h->size + 64) / 8 * 8 * sizeof *in);
+  assert_non_null(in);
+  out = in + h->size, room[0] = in + (2 * h->size + 7) / 8 * 8;
+  int ways = 0;
+  for (int i = 0; i < 6 * 6 * 6; i++) {
+    const int sorted[3] = {i % 6, i / 6 % 6, i / 36};
+    if (sorted[0] < sorted[1] || sorted[1] < sorted[2] || !has_way(h, sorted)) continue;
+    int shift[3];
+    for (int k = 0; k < 3; k++) shift[k] = sorted[(k + i) % 3] * (rnd(&seed, -1, 1) < 0 ? -1 : 1);
+    assert_true(has_way(h, shift));
+    ways++;
+    for (size_t m = 0; m < SOURCES; m++) {
+      double y[3];
+      for (int c = 0; c < 3; c++) /* a corner that faces the target, others */
+        y[c] = m == 0 ? copysign(0.5, shift[c]) : m < 3 ? copysign(0.5, rnd(&seed, -1, 1)) : coordinate(&seed, m);
+      carry_harmonics(h, y, shift);
+      compare_harmonics(&seed, h, y, shift, worst);
+    }
+  }
+  print_message("harmonics, %.0e: order %d, %d ways, F %.1e, gradient %.1e\n", accuracy, h->order, ways, worst[0],
+                worst[1]);
+  free(in), skf_far_harmonic_free(h);
+  assert_int_equal(ways, 21);
+  if (!(worst[0] <= accuracy && worst[1] <= accuracy)) fail_msg("not within %g", accuracy);
+}
+
+static void test_harmonics(void **state) {
+  (void)state;
+  for (double digits = 2; digits <= 12; digits += 0.5) check_harmonics(pow(10, -digits));
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_cells)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_cells), cmocka_unit_test(test_harmonics)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

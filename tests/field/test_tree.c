@@ -155,6 +155,73 @@ static void test_layouts(void **state) {
   }
 }
 
+/* Nearly all there is in one place, where cells of all sizes have a corner; the points are at the corners of cells that
+   face it. Each pair of cells counts by itself. */
+static void corners(uint64_t *seed, skf_kernel_type kernel, skf_shape shape) {
+  fill(seed, kernel, shape, CLOUD, 1, v3(0, 0, 0));
+  for (size_t i = 0; i < count; i++) {
+    skf_primitive *q = &elements[i].primitive;
+    double scale = i < 8 ? 1 : pow(10, -2 - 3 * rnd(seed, 0, 1));
+    skf_vec3 m = i < 8 ? v3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1)
+                       : v3_scale(scale, v3(rnd(seed, 0, 1), rnd(seed, 0, 1), rnd(seed, 0, 1)));
+    if (i >= 8) elements[i].strength = fabs(elements[i].strength);
+    if (shape == SKF_POINT)
+      q->point.at = m;
+    else
+      q->segment.from = m, q->segment.to = v3_mad(m, 0.01 * scale, v3_scale(-1, v3_unit(m)));
+    for (int k = 0; k < 3 && i < 8 && shape == SKF_SEGMENT; k++) *v3_at(&q->segment.to, k) = 0.99 * v3_get(m, k);
+  }
+  for (size_t i = 0; i < POINTS; i++) {
+    double cell = ldexp(1, -(int)(i % 12) / 2), nearly = 1 + pow(10, rnd(seed, -12, -2));
+    int turned = (int)(i % 3);
+    for (int k = 0; k < 3; k++) {
+      double away = k == turned ? -nearly : i % 2 ? 1e-9 : i % 5 ? -1e-9 : -nearly;
+      p[k][i] = cell * away;
+    }
+  }
+}
+
+/* Points as near to the whole as those can be that see it from outside, all that counts in its corners. */
+static void outside(uint64_t *seed) {
+  for (size_t i = 0; i < 8; i++) elements[i].strength = pow(1e3, (double)i);
+  for (size_t i = 0; i < POINTS; i++)
+    for (size_t k = 0; k < 3; k++)
+      p[k][i] = k == i % 3 ? 3.000001 * (i & 1 ? 1 : -1) : i < 8 ? (i >> k & 1 ? 1 : -1) : rnd(seed, -1.1, 1.1);
+}
+
+static void test_corners(void **state) {
+  (void)state;
+  uint64_t seed = 33;
+  for (int k = 0; k < 3; k++)
+    for (int s = 0; s < 2; s++) {
+      char name[64];
+      corners(&seed, kernels[k], shapes[s]);
+      snprintf(name, sizeof name, "corners, %s, %s", skf_kernel_get(kernels[k])->name, skf_shape_get(shapes[s])->name);
+      check_accuracy(name, 1e-6);
+      if (k == 0) check_accuracy(name, 1e-2), check_accuracy(name, 1e-9);
+      outside(&seed);
+      check_accuracy("outside", 1e-6);
+      if (k == 0) check_accuracy("outside", 1e-2);
+    }
+}
+
+/* Strengths that all but cancel: errors are of the sum of magnitudes. Far from the origin. */
+static void test_cancelling(void **state) {
+  (void)state;
+  uint64_t seed = 34;
+  for (int k = 0; k < 3; k++) {
+    double away = k ? 1e3 : 1e6;
+    fill(&seed, kernels[k], SKF_SEGMENT, CLOUD, 1, v3(away, -away, 0.5 * away));
+    for (size_t i = 1; i < count; i += 2) { /* each next to its opposite */
+      elements[i].primitive = elements[i - 1].primitive;
+      elements[i].primitive.segment.to.x += 1e-3;
+      elements[i].strength = -elements[i - 1].strength;
+    }
+    scatter(&seed, 1, v3(away, -away, 0.5 * away));
+    check_accuracy("cancelling", k ? 1e-6 : 1e-5);
+  }
+}
+
 /* Where squares and cubes of distances overflow. */
 static void test_distant(void **state) {
   (void)state;
@@ -320,10 +387,10 @@ static void test_memory(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_pairs),   cmocka_unit_test(test_fine),   cmocka_unit_test(test_layouts),
-      cmocka_unit_test(test_place),   cmocka_unit_test(test_switch), cmocka_unit_test(test_mixed),
-      cmocka_unit_test(test_range),   cmocka_unit_test(test_memory), cmocka_unit_test(test_narrow),
-      cmocka_unit_test(test_distant),
+      cmocka_unit_test(test_pairs),   cmocka_unit_test(test_fine),    cmocka_unit_test(test_layouts),
+      cmocka_unit_test(test_place),   cmocka_unit_test(test_switch),  cmocka_unit_test(test_mixed),
+      cmocka_unit_test(test_range),   cmocka_unit_test(test_memory),  cmocka_unit_test(test_narrow),
+      cmocka_unit_test(test_distant), cmocka_unit_test(test_corners), cmocka_unit_test(test_cancelling),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
