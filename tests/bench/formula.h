@@ -5,10 +5,11 @@
    digits next to the body: those are there a second time, carefully, with the geometry that keeps them. */
 
 typedef struct NAME(body) {
-  V a[3], b[3], u[3], L, s;              /* a point, or a segment's ends, direction, length; the kernel's parameter */
-  V v[3][3], m[3][3], l[3], n[3], twice; /* triangle: corners, outward normals and lengths of edges, normal, 2 area */
-  V R, cos, sin, tan;                    /* arc: radius, half the sweep's cosine and sine, tangent of a quarter */
-  V at[3], axis[3][3];                   /* its centre, the directions of its middle, along it there, across */
+  V a[3], b[3], u[3], L, s;          /* a point, or a segment's ends, direction, length; the kernel's parameter */
+  V v[3][3], m[3][3], t[3][3], l[3]; /* triangle: corners; outward normals, directions, lengths of edges */
+  V n[3], twice;                     /* its normal, 2 area */
+  V R, cos, sin, tan;                /* arc: radius, half the sweep's cosine and sine, tangent of a quarter */
+  V at[3], axis[3][3];               /* its centre, the directions of its middle, along it there, across */
 } NAME(body);
 
 static NAME(body) NAME(c);
@@ -92,6 +93,23 @@ static inline void NAME(triangle)(const NAME(body) * c, const V x[3], V out[4], 
       NAME(dot)(a[0], c->m[0]) * J[0] + NAME(dot)(a[1], c->m[1]) * J[1] + NAME(dot)(a[2], c->m[2]) * J[2] - h * solid;
   for (int k = 0; k < 3; k++)
     out[1 + k] = solid * c->n[k] - (c->m[0][k] * J[0] + c->m[1][k] * J[1] + c->m[2][k] * J[2]);
+}
+
+/* By edges, with z over the plane, q = 1 + s^2 z^2 and E^2 = q + s^2 d^2 at the distance d from an edge's line: the
+   integrals A of 1 / (E^2 + s^2 l^2) and J of its square along the edge */
+static inline void NAME(cauchy_triangle)(const NAME(body) * c, const V x[3], V out[4]) {
+  V a[3][3], J[3], s2 = c->s * c->s, sum = s2 - s2, Z = sum;
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++) a[i][k] = c->v[i][k] - x[k];
+  V h = NAME(dot)(a[0], c->n), q = 1 + s2 * h * h;
+  for (int i = 0; i < 3; i++) {
+    V d = NAME(dot)(a[i], c->m[i]), from = NAME(dot)(a[i], c->t[i]), to = from + c->l[i], EE = q + s2 * d * d;
+    V E = SQRT(EE), slope = c->s / E, A = (ATAN(slope * to) - ATAN(slope * from)) / (c->s * E);
+    J[i] = (to / (EE + s2 * to * to) - from / (EE + s2 * from * from) + A) / (2 * EE);
+    sum += d * A, Z += d * (A / q + J[i]);
+  }
+  out[0] = sum / (2 * q), Z = Z * h * s2 / q;
+  for (int k = 0; k < 3; k++) out[1 + k] = Z * c->n[k] - (c->m[0][k] * J[0] + c->m[1][k] * J[1] + c->m[2][k] * J[2]);
 }
 
 /* From an arc's axes back */
@@ -212,15 +230,14 @@ static void NAME(prepare)(const skf_element *e) {
     NAME(cross)(c->axis[2], c->axis[0], c->axis[1]);
   }
   if (q->shape != SKF_TRIANGLE) return;
-  V t[3][3];
   for (int i = 0; i < 3; i++) NAME(vector)(c->v[i], q->triangle.vertices[i]);
   for (int i = 0; i < 3; i++)
-    for (int k = 0; k < 3; k++) t[i][k] = c->v[(i + 1) % 3][k] - c->v[i][k];
-  NAME(cross)(t[0], t[1], c->n);
+    for (int k = 0; k < 3; k++) c->t[i][k] = c->v[(i + 1) % 3][k] - c->v[i][k];
+  NAME(cross)(c->t[0], c->t[1], c->n);
   c->twice = NAME(unit)(c->n);
   for (int i = 0; i < 3; i++) {
-    c->l[i] = NAME(unit)(t[i]);
-    NAME(cross)(t[i], c->n, c->m[i]);
+    c->l[i] = NAME(unit)(c->t[i]);
+    NAME(cross)(c->t[i], c->n, c->m[i]);
   }
 }
 
@@ -238,6 +255,7 @@ FORMULA_RUN(careful_segment, NAME(segment)(c, x, v, true))
 FORMULA_RUN(cauchy_segment, NAME(cauchy_segment)(c, x, v))
 FORMULA_RUN(inverse_triangle, NAME(triangle)(c, x, v, false))
 FORMULA_RUN(careful_triangle, NAME(triangle)(c, x, v, true))
+FORMULA_RUN(cauchy_triangle, NAME(cauchy_triangle)(c, x, v))
 FORMULA_RUN(cauchy_arc, NAME(cauchy_arc)(c, x, v))
 FORMULA_RUN(careful_arc, NAME(careful_arc)(c, x, v))
 FORMULA_RUN(gaussian_point, NAME(gaussian_point)(c, x, v))
@@ -258,7 +276,8 @@ static const library NAME(library) = {NAME(prepare),
                                        {NAME(run_squared_segment), NULL},
                                        {NAME(run_squared_arc), NULL},
                                        {NAME(run_gaussian_plane), NULL},
-                                       {NAME(run_squared_plane), NULL}}};
+                                       {NAME(run_squared_plane), NULL},
+                                       {NAME(run_cauchy_triangle), NULL}}};
 #undef V
 #undef REAL
 #undef NAME
