@@ -267,6 +267,35 @@ skf_status skf_field_some_many(const skf_field *f, const uint32_t *which, size_t
   return s;
 }
 
+void skf_field_places(const skf_field *f, uint32_t *place) {
+  for (size_t i = 0; i < f->n; i++) place[i] = SKF_NOWHERE;
+  if (f->direct != f->prepared || f->batch.tiles >= SKF_NOWHERE / SKF_TILE) return;
+  for (size_t i = 0; i < f->batch.tiles; i++) {
+    const skf_tile *t = f->batch.tile + i;
+    for (size_t j = 0; t->column && j < t->count; j++)
+      place[t->element[j] - f->prepared] = (uint32_t)(i * SKF_TILE + j);
+  }
+}
+
+void skf_field_some_eight(const skf_field *f, const uint32_t *place, const uint32_t *which, size_t n,
+                          const skf_vec3 p[8], skf_made out[8]) {
+  enum { N = 8 };
+  double x[3][N], part[4][N], sum[5][N] = {{0}};
+  const double *const at[3] = {x[0], x[1], x[2]};
+  double *const to[4] = {part[0], part[1], part[2], part[3]};
+  for (int i = 0; i < N; i++) x[0][i] = p[i].x, x[1][i] = p[i].y, x[2][i] = p[i].z;
+  for (size_t k = 0; k < n; k++) {
+    const skf_tile *t = f->batch.tile + place[which[k]] / SKF_TILE;
+    size_t j = place[which[k]] % SKF_TILE;
+    const skf_tile one = {.form = t->form, .count = 1, .column = t->column + j, .element = {t->element[j]}};
+    f->batch.ops->form[t->form].one(&one, N, at, to);
+    for (int i = 0; i < N; i++) sum[4][i] += fabs(part[0][i]);
+    for (int c = 0; c < 4; c++)
+      for (int i = 0; i < N; i++) sum[c][i] += part[c][i];
+  }
+  for (int i = 0; i < N; i++) out[i] = (skf_made){sum[0][i], sum[4][i], v3(sum[1][i], sum[2][i], sum[3][i])};
+}
+
 void skf_field_point(const skf_field *f, const skf_vec3 *p, double out[4]) {
   if (f->lone) return f->lone(f->batch.tile, p, out);
   if (skf_field_is_direct(f)) return skf_batch_at(&f->batch, *p, false, out);

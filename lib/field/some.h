@@ -22,6 +22,20 @@ void skf_field_serial(const skf_field *field, size_t points, const double *const
 skf_status skf_field_some_many(const skf_field *field, const uint32_t *which, size_t n, size_t points,
                                const double *const p[3], double *F);
 
+/* A value and gradient, and the sum of the magnitudes of what the value is made of */
+typedef struct skf_made {
+  double F, size;
+  skf_vec3 g;
+} skf_made;
+
+/* Where the field has the vector forms of its elements, for skf_field_some_eight; SKF_NOWHERE: of those without one. */
+#define SKF_NOWHERE UINT32_MAX
+void skf_field_places(const skf_field *field, uint32_t *place);
+/* skf_field_some at eight points by vector forms, which all n elements must have. What comes out at a point depends on
+   this point alone. */
+void skf_field_some_eight(const skf_field *field, const uint32_t *place, const uint32_t *which, size_t n,
+                          const skf_vec3 p[8], skf_made out[8]);
+
 /* F and the gradient at one point, out[0] and out[1..3], with the bits of skf_field_eval; for callers that have one
    point at a time, and no time: a sum of up to eight elements of one form costs little more than its formula. */
 void skf_field_point(const skf_field *field, const skf_vec3 *p, double out[4]);

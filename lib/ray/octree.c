@@ -31,6 +31,7 @@ struct skf_octree {
   const skf_blob *blobs;
   double iso, noise;
   skf_smooth *smooth; /* or NULL: then cells are examined by the elements' bounds alone */
+  uint32_t *place;    /* of the elements' vector forms, or NULL where none is asked for */
   skf_branch *all;    /* whose child 0 is the cube */
   block *memory;
   omp_lock_t lock;
@@ -132,12 +133,28 @@ static void look_closer(const skf_octree *t, const skf_cube *c, const uint32_t *
   }
 }
 
-/* Finds out what the k-th cell of a branch is; a leaf comes without its lists. */
-static int examine(const skf_octree *t, const skf_branch *in, int k, uint32_t *kept, uint32_t *keep, skf_leaf *leaf) {
-  double half = 0.5 * in->half, made_of;
+/* By n elements' field in the middle and bounds of its derivatives: whether F - iso has one sign all over a cell. */
+static bool decide(const skf_octree *t, const skf_cube *c, const skf_made *middle, uint32_t n, double slope,
+                   double bend, skf_leaf *leaf) {
+  skf_vec3 g = middle->g;
+  double grip = fabs(g.x) + fabs(g.y) + fabs(g.z);
+  double rounding = (4 * t->noise + 1e-16 * n) * (middle->size + fabs(t->iso)) + SLACK * c->radius * grip;
+  leaf->f = middle->F - t->iso, leaf->g = g;
+  leaf->flat = 0.5 * bend * c->radius * c->radius + rounding;
+  return fabs(leaf->f) > fmin(c->half * grip + leaf->flat, slope * c->radius + rounding);
+}
+
+/* Finds out what the k-th cell of a branch is; a leaf comes without its lists. middle: the field of all of the branch's
+   elements there, or NULL where it is not known yet. */
+static int examine(const skf_octree *t, const skf_branch *in, int k, const skf_made *middle, uint32_t *kept,
+                   uint32_t *keep, skf_leaf *leaf) {
+  double half = 0.5 * in->half;
+  skf_made own;
   skf_cube c = {center_of(in, k), half * (1 + SLACK), 1.7320508075688773 * half * (1 + SLACK)};
+  if (middle && decide(t, &c, middle, in->count, in->slope, in->bend, leaf))
+    return leaf->f < 0 ? SKF_CELL_OUTSIDE : SKF_CELL_INSIDE;
   outlook o = look_out(t, &c, in, kept, keep);
-  leaf->center = c.center;
+  leaf->center = c.center, leaf->slope = leaf->bend = INFINITY;
   if (o.of.hi < t->iso) return SKF_CELL_OUTSIDE;
   if (o.of.lo > t->iso) return SKF_CELL_INSIDE;
   bool last = in->level == LEVELS;
@@ -147,12 +164,9 @@ static int examine(const skf_octree *t, const skf_branch *in, int k, uint32_t *k
   leaf->patch = NULL, leaf->soft = o.soft, leaf->segments = o.segments,
   leaf->grain = o.grain + 4 * DBL_EPSILON * fabs(t->iso);
   if (o.blobs && *keep <= SKF_LEAF_BLOBS) return SKF_CELL_BLOBS;
-  leaf->f = skf_field_some(t->field, kept, *keep, c.center, &leaf->g, &made_of) - t->iso;
-  double grip = fabs(leaf->g.x) + fabs(leaf->g.y) + fabs(leaf->g.z);
-  double rounding = (2 * t->noise + 1e-16 * *keep) * (made_of + fabs(t->iso)) + SLACK * c.radius * grip;
-  leaf->flat = 0.5 * o.of.bend * c.radius * c.radius + rounding;
-  double change = fmin(half * grip + leaf->flat, o.of.slope * c.radius + rounding);
-  if (fabs(leaf->f) > change) return leaf->f < 0 ? SKF_CELL_OUTSIDE : SKF_CELL_INSIDE;
+  if (!middle) own.F = skf_field_some(t->field, kept, *keep, c.center, &own.g, &own.size), middle = &own;
+  if (decide(t, &c, middle, in->count, o.of.slope, o.of.bend, leaf))
+    return leaf->f < 0 ? SKF_CELL_OUTSIDE : SKF_CELL_INSIDE;
   bool flat = o.of.bend * c.radius <= FLAT * v3_norm(leaf->g);
   return flat || last ? SKF_CELL_LEAF : SKF_CELL_BRANCH;
 }
@@ -179,6 +193,7 @@ static skf_cell make(skf_octree *t, int kind, const skf_branch *in, const uint32
     skf_branch *b = what;
     b->middle = leaf->center, b->half = 0.5 * in->half;
     b->list = list, b->count = keep, b->level = in->level + 1;
+    b->slope = leaf->slope, b->bend = leaf->bend;
   } else {
     skf_leaf *l = what;
     *l = *leaf, l->list = list, l->count = keep;
@@ -256,14 +271,27 @@ static skf_cell explore_smooth(skf_octree *t, skf_branch *in, int k) {
   return c;
 }
 
-skf_cell skf_octree_explore(skf_octree *t, skf_branch *in, int k) {
-  if (t->smooth) return explore_smooth(t, in, k);
-  enum { FEW = 256 };
-  uint32_t few[FEW], *kept = few, keep;
-  if (in->count > FEW && !(kept = skf_alloc(in->count, sizeof *kept))) return 0;
+/* The field in the middles of a branch's cells, where vector forms tell all of them sooner than closed forms would
+   some: whether they did. Blobs alone need it seldom; the top has one cell. */
+static bool look_at_all(const skf_octree *t, const skf_branch *in, skf_made middle[8]) {
+  bool blobs = true;
+  skf_vec3 p[8];
+  if (!t->place || !in->level) return false;
+  for (size_t i = 0; i < in->count; i++) {
+    if (t->place[in->list[i]] == SKF_NOWHERE) return false;
+    blobs &= t->blobs[in->list[i]].per > 0;
+  }
+  if (blobs) return false;
+  for (int k = 0; k < 8; k++) p[k] = center_of(in, k);
+  skf_field_some_eight(t->field, t->place, in->list, in->count, p, middle);
+  return true;
+}
+
+static skf_cell explore_one(skf_octree *t, skf_branch *in, int k, const skf_made *middle, uint32_t *kept) {
+  uint32_t keep = 0;
   skf_leaf leaf;
   leaf.f = leaf.flat = 0, leaf.g = v3(0, 0, 0), leaf.blobs = NULL;
-  int kind = examine(t, in, k, kept, &keep, &leaf);
+  int kind = examine(t, in, k, middle, kept, &keep, &leaf);
   omp_set_lock(&t->lock);
   skf_cell c = atomic_load_explicit(in->child + k, memory_order_relaxed); /* somebody else may have been here */
   if (!c) {
@@ -271,6 +299,19 @@ skf_cell skf_octree_explore(skf_octree *t, skf_branch *in, int k) {
     publish(in, k, c);
   }
   omp_unset_lock(&t->lock);
+  return c;
+}
+
+skf_cell skf_octree_explore(skf_octree *t, skf_branch *in, int k) {
+  if (t->smooth) return explore_smooth(t, in, k);
+  enum { FEW = 256 };
+  uint32_t few[FEW], *kept = few;
+  if (in->count > FEW && !(kept = skf_alloc(in->count, sizeof *kept))) return 0;
+  skf_made middle[8];
+  bool all = look_at_all(t, in, middle);
+  for (int i = 0; all && i < 8; i++)
+    if (i != k && !atomic_load_explicit(in->child + i, memory_order_relaxed)) explore_one(t, in, i, middle + i, kept);
+  skf_cell c = explore_one(t, in, k, all ? middle + k : NULL, kept);
   if (kept != few) skf_free(kept);
   return c;
 }
@@ -320,7 +361,13 @@ skf_status skf_octree_new(const skf_field *field, const skf_source *sources, con
   for (size_t i = 0; i < n; i++) all[i] = (uint32_t)i;
   t->all->list = all, t->all->count = (uint32_t)n;
   t->all->half = size, t->all->middle = v3_mad(box_center(region), 0.5 * size, v3(1, 1, 1));
-  if (is_smooth(t, n) && !open_smooth(t, n)) return skf_octree_free(t), SKF_ERR_NOMEM;
+  bool smooth = is_smooth(t, n), plain = true;
+  for (size_t i = 0; i < n && plain; i++) plain = blobs[i].per > 0;
+  if (smooth && !open_smooth(t, n)) return skf_octree_free(t), SKF_ERR_NOMEM;
+  if (!smooth && !plain) {
+    if (!(t->place = take(t, n * sizeof *t->place))) return skf_octree_free(t), SKF_ERR_NOMEM;
+    skf_field_places(field, t->place);
+  }
   return *out = t, SKF_OK;
 }
 

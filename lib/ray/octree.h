@@ -45,7 +45,8 @@ typedef struct skf_branch {
   _Atomic(skf_cell) child[8]; /* bits 1, 2, 4 for the upper halves in x, y, z */
   atomic_uint outside;        /* a bit for each child that is known to be outside */
   skf_vec3 middle;
-  double half; /* edge of its children */
+  double half;        /* edge of its children */
+  double slope, bend; /* of F in all of them */
   const uint32_t *list;
   uint32_t count;
   int level;
