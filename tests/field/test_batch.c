@@ -239,9 +239,51 @@ static void test_scalar(void **state) {
   }
 }
 
+/* Some elements at eight points: each as it is alone, to the bit, wherever the field keeps it. */
+static void test_eight(void **state) {
+  (void)state;
+  enum { MANY = 90, SOME = 3 };
+  if (skf_isa_pick() == SKF_ISA_SCALAR) skip();
+  uint64_t seed = 5;
+  static cloud c;
+  skf_element e[MANY];
+  uint32_t at[MANY];
+  skf_vec3 p[8];
+  for (int i = 0; i < MANY; i++) {
+    e[i] = (skf_element){.kernel = {i % 2 ? SKF_QUARTIC : SKF_CAUCHY, 1.5}, .strength = i % 5 ? 0.7 : -0.3};
+    rnd_primitive(&seed, i % 3 ? SKF_TRIANGLE : SKF_SEGMENT, 1, &e[i].primitive);
+  }
+  for (int i = 0; i < 8; i++) {
+    p[i] = rnd_vec(&seed, 1);
+    for (int k = 0; k < 3; k++) c.p[k][i] = v3_get(p[i], k);
+  }
+  skf_field *f = make("avx2", e, MANY);
+  skf_field_places(f, at);
+  for (int i = 0; i < MANY; i++) assert_true(at[i] != SKF_NOWHERE);
+  for (uint32_t i = 0; i + 2 < MANY; i++) {
+    const uint32_t which[SOME] = {i + 2, i, i + 1};
+    skf_made all[8], sum[8] = {{0}};
+    skf_field_some_eight(f, at, which, SOME, p, all);
+    for (int n = 0; n < SOME; n++) {
+      skf_field *one = make("avx2", e + which[n], 1);
+      eval(one, 0, 8, &c);
+      for (size_t k = 0; k < 8; k++) {
+        sum[k].F += c.F[k], sum[k].size += fabs(c.F[k]);
+        sum[k].g = v3_add(sum[k].g, slope(&c, k));
+      }
+      skf_field_free(one);
+    }
+    for (int k = 0; k < 8; k++) {
+      assert_true(all[k].F == sum[k].F && all[k].size == sum[k].size);
+      assert_true(v3_norm(v3_sub(all[k].g, sum[k].g)) == 0);
+    }
+  }
+  skf_field_free(f);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_isas), cmocka_unit_test(test_place),
-                                     cmocka_unit_test(test_point), cmocka_unit_test(test_sign),
-                                     cmocka_unit_test(test_scalar)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_isas),   cmocka_unit_test(test_place),
+                                     cmocka_unit_test(test_point),  cmocka_unit_test(test_sign),
+                                     cmocka_unit_test(test_scalar), cmocka_unit_test(test_eight)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
