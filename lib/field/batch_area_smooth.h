@@ -26,7 +26,7 @@ SKF_INLINE skf_vvalue cauchy_edges(const area_row *c, const area_view *f) {
 
 SKF_INLINE skf_vd cauchy_reach2(const area_row *c, const area_view *f) { return f->dist2 + c->per_param2; }
 
-SKF_OUTLINE skf_vvalue cauchy_triangle(const area_row *c, skf_v3d x) {
+SKF_OUTLINE skf_vvalue cauchy_careful(const area_row *c, skf_v3d x) {
   area_view f = area_see(c, x);
   skf_vi far = cauchy_reach2(c, &f) > c->T.far * c->T.far;
   if (!vi_any(far)) return cauchy_edges(c, &f);
@@ -56,9 +56,9 @@ SKF_INLINE skf_vvalue cauchy_beyond(const area_row *c, const area_view *f, skf_v
   return area_gather(c, f, &sum, good);
 }
 
-/* Less far than for cauchy_triangle, where the edges cancel: with 13 nodes exact to 1e-16 from three halves of the
+/* Less far than for cauchy_careful, where the edges cancel: with 13 nodes exact to 1e-16 from three halves of the
    diameter on; nearer, for narrow kernels, the G-form. */
-SKF_OUTLINE skf_vvalue cauchy_triangle_middle(const area_row *c, skf_v3d x) {
+SKF_OUTLINE skf_vvalue cauchy_middle(const area_row *c, skf_v3d x) {
   area_view f = area_see(c, x);
   skf_vi middle = cauchy_reach2(c, &f) > vd_set(2.25) * c->diam * c->diam;
   skf_vi beyond = ~middle & (c->param2 * f.lat2 > vd_set(16) * vd_fma(c->param2, f.zz, vd_set(1)));
@@ -112,7 +112,6 @@ SKF_OUTLINE skf_vvalue inverse_squared_triangle_middle(const area_row *c, skf_v3
   return area_rule(AREA_SQUARED, c, &f, 13, middle & vd_sane(f.dist2));
 }
 
-SKF_BATCH_FORM(cauchy_triangle, area, cauchy_triangle_middle)
 SKF_BATCH_FORM(inverse_squared_triangle, area, inverse_squared_triangle_middle)
 
 #endif

@@ -9,6 +9,7 @@
 #include "field/batch_arc_open.h"
 #include "field/batch_arc_smooth.h"
 #include "field/batch_circle.h"
+#include "field/batch_area_cauchy.h"
 #include "field/batch_area_compact.h"
 #include "field/batch_area_gaussian.h"
 #include "field/batch_area_metaball.h"
