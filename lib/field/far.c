@@ -162,8 +162,8 @@ static bool do_chunk(job *j, size_t n) {
 }
 
 static void do_one(const skf_far *f, skf_vec3 p, double out[4]) {
-  far_bunch b = {.leaves = 1};
-  b.leaf[0] = find(f, p), b.from[1] = 1;
+  far_bunch b; /* not cleared: it is large */
+  b.leaves = 1, b.leaf[0] = find(f, p), b.from[0] = 0, b.from[1] = 1;
   b.p[0][0] = p.x, b.p[1][0] = p.y, b.p[2][0] = p.z;
   sum_bunch(f, &b);
   for (int k = 0; k < 4; k++) total(f, &b, k, out + k);
