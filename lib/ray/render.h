@@ -44,12 +44,13 @@ void skf_view_lens(const skf_view *view, double x, double y, skf_vec3 *from, skf
 /* How far up in the picture a direction is seen, 0 to 1; those backwards count as if mirrored. */
 double skf_view_height(const skf_view *view, skf_vec3 direction);
 
-/* The k-th random number of a pixel, in [0, 1). */
-static inline double skf_hashed(unsigned x, unsigned y, unsigned k) {
+/* The k-th random number of a pixel, as 32 bits and in [0, 1). */
+static inline unsigned skf_hash(unsigned x, unsigned y, unsigned k) {
   unsigned h = x * 73856093u ^ y * 19349663u ^ k * 83492791u;
   h = (h ^ h >> 15) * 0x2c1b3c6du, h = (h ^ h >> 12) * 0x297a2d39u;
-  return (h ^ h >> 15) / 4294967296.0;
+  return h ^ h >> 15;
 }
+static inline double skf_hashed(unsigned x, unsigned y, unsigned k) { return skf_hash(x, y, k) / 4294967296.0; }
 
 enum { SKF_NOTHING = -1, SKF_GROUND = -2, SKF_RENDER_LIGHTS = 8, SKF_RENDER_BOUNCES = 6 };
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* From linear light to sRGB [IEC 61966-2-1]. */
 #include "ray/render_srgb.h"
-#include "ray/render.h"
 #include "simd/isa.h"
 
 static double press(double x) { return x <= 0.7 ? fmax(x, 0) : 1 - 0.3 * exp((0.7 - x) / 0.3); }

@@ -3,7 +3,7 @@
 #ifndef SKF_RAY_RENDER_SRGB_H
 #define SKF_RAY_RENDER_SRGB_H
 
-#include <stddef.h>
+#include "ray/render.h"
 #include <stdint.h>
 #include <string.h>
 
@@ -25,11 +25,7 @@ static inline void srgb_piece(const float *line, const float *rgb, size_t n, siz
   const int32_t low = (127 + SKF_SRGB_FIRST) << 23, high = (127 + SKF_SRGB_LAST) << 23; /* bits of the powers */
   float noise[SKF_SRGB_PIECE], level[3 * SKF_SRGB_PIECE];
   int32_t bits[3 * SKF_SRGB_PIECE];
-  for (size_t i = 0; i < n; i++) { /* skf_hashed(x + i, y, 0) */
-    uint32_t h = (uint32_t)(x + i) * 73856093u ^ (uint32_t)y * 19349663u;
-    h = (h ^ h >> 15) * 0x2c1b3c6du, h = (h ^ h >> 12) * 0x297a2d39u, h ^= h >> 15;
-    noise[i] = (float)(int)(h >> 8) * 0x1p-24f;
-  }
+  for (size_t i = 0; i < n; i++) noise[i] = (float)(int)(skf_hash((unsigned)(x + i), (unsigned)y, 0) >> 8) * 0x1p-24f;
   memcpy(bits, rgb, 3 * n * sizeof *bits);
   for (size_t i = 0; i < 3 * n; i++) { /* positive numbers go in the order of their bits */
     int32_t floor = bits[i] < low ? low : bits[i], in = floor < high ? floor : high - 1;
