@@ -7,7 +7,7 @@
 #include "ray/render.h"
 #include "simd/vec.h"
 
-typedef char skf_shaded_fit[(int)SKF_SHADED == (int)SKF_LANES ? 1 : -1];
+_Static_assert((int)SKF_SHADED == (int)SKF_LANES, "as many places as lanes");
 
 typedef struct lanes3 {
   skf_vd x, y, z;
