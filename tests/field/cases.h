@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Random primitives, kernels and places, by region, and how far a result is from the oracle. */
+/* Random primitives, kernels and places, by region, and how far a result is from the oracle: a point by itself and in a
+   batch. */
 #ifndef SKF_TESTS_FIELD_CASES_H
 #define SKF_TESTS_FIELD_CASES_H
 
@@ -60,21 +61,23 @@ static inline case_anchor case_arc(uint64_t *s, case_region r, double size, skf_
   skf_vec3 n = rnd_axis(s), e = rnd_across(s, n);
   double sweep = rnd_sweep(s), at = r == CASE_EDGE ? (rnd_one_in(s, 2) ? 0 : sweep) : rnd(s, 0, sweep);
   p->arc = (skf_arc){off, n, e, size, sweep};
-  skf_vec3 out = v3_mad(v3_scale(cos(at), e), sin(at), v3_cross(n, e)), on = v3_mad(off, size, out);
+  if (r == CASE_NEAR && rnd_one_in(s, 4)) at = rnd(s, 0, 2 * SKF_PI); /* at the circle, not at the arc */
+  skf_vec3 f = v3_cross(n, e), out = v3_mad(v3_scale(cos(at), e), sin(at), f), on = v3_mad(off, size, out);
+  if (r == CASE_EDGE && rnd_one_in(s, 3)) return (case_anchor){on, v3_scale(rnd_sign(s), v3_cross(n, out))};
   if (r != CASE_LINE) return (case_anchor){on, rnd_unit(s)};
   if (rnd_one_in(s, 3)) return (case_anchor){off, v3_scale(rnd_sign(s), n)};             /* the axis */
   if (rnd_one_in(s, 2)) return (case_anchor){v3_mad(off, size * rnd(s, -2, 2), n), out}; /* beside it */
   return (case_anchor){on, v3_scale(rnd_sign(s), out)};                                  /* its plane */
 }
 
-/* One in three is a sliver, down to 1e-6. */
+/* One in three is a sliver, down to 1e-9. */
 static inline case_anchor case_triangle(uint64_t *s, case_region r, double size, skf_vec3 off, skf_primitive *p) {
   skf_vec3 n = rnd_axis(s), t = rnd_across(s, n), m = v3_cross(n, t), *v = p->triangle.vertices;
-  double thin = rnd_one_in(s, 3) ? rnd_power(s, -6, -1) : rnd(s, 0.3, 1.2);
+  double thin = rnd_one_in(s, 3) ? rnd_power(s, -9, -1) : rnd(s, 0.03, 1.2);
   int first = (int)rnd(s, 0, 3);
   v[first] = off;
   v[(first + 1) % 3] = v3_mad(off, size, t);
-  v[(first + 2) % 3] = v3_mad(v3_mad(off, size * rnd(s, -0.5, 1.5), t), size * thin, m);
+  v[(first + 2) % 3] = v3_mad(v3_mad(off, size * rnd(s, -1, 2), t), size * thin, m);
   double share = r == CASE_LINE ? rnd(s, -3, 4) : rnd_one_in(s, 3) ? 0 : rnd(s, 0, 1);
   if (r == CASE_EDGE || (r == CASE_LINE && rnd_one_in(s, 2)))
     return (case_anchor){v3_mad(v[0], share, v3_sub(v[1], v[0])), r == CASE_LINE ? n : rnd_unit(s)};
@@ -97,7 +100,8 @@ static inline case_anchor case_anchor_of(uint64_t *s, case_region r, double size
   }
 }
 
-/* Widths from 1e-4 of the body to 1e4 of it, about the distance, or wide; supports up to 1e6 of the body. */
+/* Widths from 1e-4 of the body to 1e4 of it, about the distance, or wide; supports up to 1e6 of the body, whose rims,
+   or the metaball's inner ones, just reach the body, cross it, or just hold it. */
 static inline double case_param(uint64_t *s, const skf_kernel_info *k, case_region r, double size, double d,
                                 double far) {
   double wide = fmax(d, size);
@@ -108,8 +112,11 @@ static inline double case_param(uint64_t *s, const skf_kernel_info *k, case_regi
                 : kind == 1 ? d * rnd_power(s, -0.7, 1)
                             : wide * rnd_power(s, -1, 2));
   }
-  if (r == CASE_RIM)
-    return rnd_one_in(s, 2) ? d * (1 + rnd_power(s, -9, -1)) : d + rnd(s, 0, 1) * (fmin(far, 2 * d) - d);
+  if (r == CASE_RIM) {
+    double inner = rnd_one_in(s, 8) ? 3 : 1;
+    if (rnd_one_in(s, 4)) return inner * fmin(far, 1e6 * wide) * (1 + rnd_power(s, -9, 1));
+    return inner * (rnd_one_in(s, 2) ? d * (1 + rnd_power(s, -10, 0)) : d + rnd(s, 0, 1) * (fmin(far, 1e6 * wide) - d));
+  }
   return fmax(d * rnd_power(s, 0.05, 3), rnd_one_in(s, 2) ? size * rnd_power(s, -4, 6) : 0);
 }
 
@@ -138,7 +145,7 @@ static inline bool case_draw(uint64_t *s, skf_kernel_type kernel, skf_shape shap
 }
 
 /* Relative to |F|; to the larger of |gradient| and |F| / L; to the larger of |Hessian| and |F| / L^2, with L =
-   max(size, distance). */
+   max(size, distance). Infinite for NaN. */
 typedef struct field_error {
   double F, g, h;
 } field_error;
@@ -153,14 +160,19 @@ static inline quad case_norm(const quad *x, int n) {
   return sqrtq(sum);
 }
 
+static inline double case_ratio(quad off, quad scale) {
+  quad ratio = off == 0 ? 0 : off / scale;
+  return ratio == ratio ? (double)ratio : INFINITY;
+}
+
 static inline field_error case_differ(const field_case *c, const oracle_value *want, const oracle_value *got) {
   quad F = fabsq(want->F), L = fmax(c->size, c->distance), dg[3], dh[6];
   for (int i = 0; i < 3; i++) dg[i] = got->g[i] - want->g[i];
   for (int i = 0; i < 6; i++) dh[i] = got->h[i] - want->h[i];
   quad scale = c->element.primitive.shape == SKF_PLANE && c->element.kernel.type == SKF_INVERSE_SQUARED ? 2 * M_PIq : 0;
   quad g = fmaxq(case_norm(want->g, 3), F / L), h = fmaxq(case_norm(want->h, 6), F / (L * L));
-  return (field_error){(double)(fabsq(got->F - want->F) / fmaxq(F, scale)), (double)(case_norm(dg, 3) / g),
-                       (double)(case_norm(dh, 6) / h)};
+  return (field_error){case_ratio(fabsq(got->F - want->F), fmaxq(F, scale)), case_ratio(case_norm(dg, 3), g),
+                       case_ratio(case_norm(dh, 6), h)};
 }
 
 static inline field_error case_error(const field_case *c, const oracle_value *want, const field_result *got) {
@@ -172,25 +184,63 @@ static inline field_error case_error(const field_case *c, const oracle_value *wa
 
 static inline double case_step(double x, int ulps) { return x + ulps * (nextafter(fabs(x), INFINITY) - fabs(x)); }
 
-/* What a move of each coordinate of x by eight ulps changes, and of an arc's sweep by two ulps of pi. */
-static inline field_error case_moves(const field_case *c, const oracle_value *want) {
-  field_error most = {0, 0, 0};
-  for (int i = 0; i < 8; i++) {
-    field_case moved = *c;
-    skf_arc *arc = &moved.element.primitive.arc;
-    if (i < 6) {
-      double *x = v3_at(&moved.x, i / 2);
-      *x = case_step(*x, i & 1 ? 8 : -8);
-    } else if (c->element.primitive.shape == SKF_ARC && arc->sweep < 2 * SKF_PI) {
-      arc->sweep += i & 1 ? 0x1p-50 : -0x1p-50;
-    } else {
-      continue;
-    }
-    oracle_value v = oracle(&moved.element, moved.x);
-    field_error e = case_differ(c, want, &v);
-    most = (field_error){fmax(most.F, e.F), fmax(most.g, e.g), fmax(most.h, e.h)};
+/* What a move of a coordinate of x by eight ulps changes (0 <= i < 6), or of an arc's sweep by two ulps of pi (i < 8).
+ */
+static inline field_error case_moved(const field_case *c, const oracle_value *want,
+                                     oracle_value (*truth)(const skf_element *, skf_vec3), int i) {
+  field_case moved = *c;
+  skf_arc *arc = &moved.element.primitive.arc;
+  if (i < 6) {
+    double *x = v3_at(&moved.x, i / 2);
+    *x = case_step(*x, i & 1 ? 8 : -8);
+  } else if (c->element.primitive.shape == SKF_ARC && arc->sweep < 2 * SKF_PI) {
+    arc->sweep += i & 1 ? 0x1p-50 : -0x1p-50;
+  } else {
+    return (field_error){0, 0, 0};
   }
+  oracle_value v = truth(&moved.element, moved.x);
+  return case_differ(c, want, &v);
+}
+
+static inline bool error_within(field_error e, field_error limit) {
+  return e.F <= limit.F && e.g <= limit.g && e.h <= limit.h;
+}
+
+static inline field_error error_max(field_error a, field_error b) {
+  return (field_error){fmax(a.F, b.F), fmax(a.g, b.g), fmax(a.h, b.h)};
+}
+
+/* The worst of all of them. */
+static inline field_error case_moves(const field_case *c, const oracle_value *want,
+                                     oracle_value (*truth)(const skf_element *, skf_vec3)) {
+  field_error most = {0, 0, 0};
+  for (int i = 0; i < 8; i++) most = error_max(most, case_moved(c, want, truth, i));
   return most;
+}
+
+/* The place among others close to it. */
+enum { CASE_BATCH = 5, CASE_PLACE = 2 };
+
+static inline field_result case_in_batch(const skf_field *f, skf_vec3 x) {
+  double p[3][CASE_BATCH], F[CASE_BATCH], g[3][CASE_BATCH], h[6][CASE_BATCH];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < CASE_BATCH; j++) p[i][j] = v3_get(x, i) * (j == CASE_PLACE ? 1 : 1 + 1e-3 * j);
+  const double *const in[3] = {p[0], p[1], p[2]};
+  double *const out[3] = {g[0], g[1], g[2]}, *const out6[6] = {h[0], h[1], h[2], h[3], h[4], h[5]};
+  field_result r = {.F = NAN};
+  if (skf_field_eval(f, CASE_BATCH, in, F, out, out6)) return r;
+  r.F = F[CASE_PLACE];
+  for (int i = 0; i < 3; i++) r.g[i] = g[i][CASE_PLACE];
+  for (int i = 0; i < 6; i++) r.h[i] = h[i][CASE_PLACE];
+  return r;
+}
+
+static inline field_result case_alone(const skf_field *f, skf_vec3 x) {
+  skf_vec3 g;
+  field_result r;
+  r.F = skf_field_tensor_at(f, x, &g, r.h);
+  for (int i = 0; i < 3; i++) r.g[i] = v3_get(g, i);
+  return r;
 }
 
 #endif

@@ -6,6 +6,7 @@
 #define SKF_TESTS_FIELD_ORACLE_H
 
 #include "skelfield/field.h"
+#include <math.h>
 #include <quadmath.h>
 #include <string.h>
 

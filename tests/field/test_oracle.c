@@ -3,35 +3,7 @@
 #include "check.h"
 #include "field/cases.h"
 
-enum { ROUNDS = 24, BATCH = 5 };
-
-/* The place among others close to it. */
-static field_result in_batch(const skf_field *f, skf_vec3 x) {
-  double p[3][BATCH], F[BATCH], g[3][BATCH], h[6][BATCH];
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < BATCH; j++) p[i][j] = v3_get(x, i) * (j == 2 ? 1 : 1 + 1e-3 * j);
-  const double *const in[3] = {p[0], p[1], p[2]};
-  double *const out[3] = {g[0], g[1], g[2]}, *const out6[6] = {h[0], h[1], h[2], h[3], h[4], h[5]};
-  assert_int_equal(skf_field_eval(f, BATCH, in, F, out, out6), SKF_OK);
-  field_result r = {.F = F[2]};
-  for (int i = 0; i < 3; i++) r.g[i] = g[i][2];
-  for (int i = 0; i < 6; i++) r.h[i] = h[i][2];
-  return r;
-}
-
-static field_result alone(const skf_field *f, skf_vec3 x) {
-  skf_vec3 g;
-  field_result r;
-  r.F = skf_field_tensor_at(f, x, &g, r.h);
-  for (int i = 0; i < 3; i++) r.g[i] = v3_get(g, i);
-  return r;
-}
-
-static bool within(field_error e, field_error limit) { return e.F <= limit.F && e.g <= limit.g && e.h <= limit.h; }
-
-static field_error larger(field_error a, field_error b) {
-  return (field_error){fmax(a.F, b.F), fmax(a.g, b.g), fmax(a.h, b.h)};
-}
+enum { ROUNDS = 24 };
 
 /* Counts a case; false when it misses what it must reach. */
 static bool check_case(const field_case *c, field_error *worst, int *limited) {
@@ -39,17 +11,17 @@ static bool check_case(const field_case *c, field_error *worst, int *limited) {
   skf_field *f;
   assert_int_equal(skf_field_new(&c->element, 1, &f), SKF_OK);
   oracle_value want = oracle(&c->element, c->x);
-  field_result one = alone(f, c->x), many = in_batch(f, c->x);
+  field_result one = case_alone(f, c->x), many = case_in_batch(f, c->x);
   skf_field_free(f);
   if (!(fabsq(want.F) > 1e-280Q)) return true;
-  field_error e = larger(case_error(c, &want, &one), case_error(c, &want, &many));
-  if (within(e, target)) {
-    *worst = larger(*worst, e);
+  field_error e = error_max(case_error(c, &want, &one), case_error(c, &want, &many));
+  if (error_within(e, target)) {
+    *worst = error_max(*worst, e);
     return true;
   }
   ++*limited;
-  field_error moves = case_moves(c, &want);
-  if (within(e, larger(target, moves))) return true;
+  field_error moves = case_moves(c, &want, oracle);
+  if (error_within(e, error_max(target, moves))) return true;
   print_message("F off by %.2g, gradient %.2g, Hessian %.2g; eight ulps move them by %.2g, %.2g, %.2g\n", e.F, e.g, e.h,
                 moves.F, moves.g, moves.h);
   return false;
