@@ -277,8 +277,12 @@ static int automatic_camera(render_job *j, double fov) {
       for (size_t k = 0; k < j->scene->bodies[i].element_count; k++)
         if (is_hull(j->items[i] + k)) n += hull_points(j->items[i] + k, points + n);
     for (size_t i = 0; i < bodies; i++) fields[i] = j->scene->bodies[i].field, isos[i] = j->scene->bodies[i].iso;
-    s = skf_camera_frame(fields, isos, bodies, points, n, azimuth, elevation, fov,
-                         (double)j->what.width / j->what.height, &j->what.camera);
+    double aspect = (double)j->what.width / j->what.height;
+    if (j->mode == RENDER_OFFSET)
+      s = skf_camera_frame(fields, isos, bodies, points, n, azimuth, elevation, fov, aspect, &j->what.camera);
+    else
+      s = skf_camera_frame_with((const skf_tracer *const *)j->tracers, bodies, points, n, azimuth, elevation, fov,
+                                aspect, &j->what.camera);
   }
   free(points), free(fields), free(isos);
   return s ? cli_fail_status(s, "camera") : CLI_DONE;

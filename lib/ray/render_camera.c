@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "field/envelope.h"
 #include "ray/render_camera_lanes.h"
+#include "ray/walk.h"
 #include "simd/isa.h"
 
 skf_status skf_view_make(const skf_camera *c, double aspect, skf_view *out) {
@@ -176,8 +177,8 @@ static skf_status add_surface(const skf_view *v, const skf_tracer *tracer, skf_b
 }
 
 /* The boxes are wide: they only give the first camera, which then looks at the surfaces themselves. */
-static skf_status look_thrice(skf_tracer *const *tracers, const skf_box *boxes, size_t count, const skf_vec3 *points,
-                              size_t n, probes *p, skf_view *v) {
+static skf_status look_thrice(const skf_tracer *const *tracers, const skf_box *boxes, size_t count,
+                              const skf_vec3 *points, size_t n, probes *p, skf_view *v) {
   cloud c = {NULL, 0, 0};
   skf_status status = SKF_OK;
   for (int pass = 0; pass < 3 && !status; pass++) {
@@ -192,37 +193,39 @@ static skf_status look_thrice(skf_tracer *const *tracers, const skf_box *boxes, 
   return status;
 }
 
-static skf_status frame(const skf_field *const *fields, const double *isos, const skf_box *boxes, size_t count,
-                        const skf_vec3 *points, size_t n, skf_view *v) {
-  skf_tracer **tracers = skf_alloc(count, sizeof *tracers);
-  probes *p = skf_alloc(1, sizeof *p);
-  skf_status status = tracers && p ? SKF_OK : SKF_ERR_NOMEM;
-  for (size_t i = 0; i < count && !status; i++)
-    status = skf_tracer_new_with(fields[i], isos[i], &(skf_tracer_options){.normals = 1e-3}, tracers + i);
-  if (!status) status = look_thrice(tracers, boxes, count, points, n, p, v);
-  for (size_t i = 0; tracers && i < count; i++) skf_tracer_free(tracers[i]);
-  skf_free(tracers), skf_free(p);
-  return status;
-}
-
-skf_status skf_camera_frame(const skf_field *const *fields, const double *isos, size_t count, const skf_vec3 *points,
-                            size_t n, double azimuth, double elevation, double fov, double aspect, skf_camera *out) {
+skf_status skf_camera_frame_with(const skf_tracer *const *tracers, size_t count, const skf_vec3 *points, size_t n,
+                                 double azimuth, double elevation, double fov, double aspect, skf_camera *out) {
   skf_vec3 back = v3(cos(elevation) * cos(azimuth), cos(elevation) * sin(azimuth), sin(elevation));
   skf_camera camera = {.given = true, .from = back, .up = {0, 0, 1}, .fov = fov};
   skf_view v;
   skf_status status = skf_view_make(&camera, aspect, &v);
   if (status) return status;
   v.tan_x *= 0.9, v.tan_y *= 0.9; /* the margin */
-  skf_box *boxes = skf_alloc(count, sizeof *boxes);
-  if (!boxes) return SKF_ERR_NOMEM;
-  for (size_t i = 0; i < count; i++)
-    if (skf_field_region(fields[i], isos[i], boxes + i)) boxes[i] = skeleton_box(fields[i]);
-  status = frame(fields, isos, boxes, count, points, n, &v);
-  skf_box all = box_empty();
-  for (size_t i = 0; i < count; i++) all = box_join(all, boxes[i]);
-  skf_free(boxes);
+  skf_box *boxes = skf_alloc(count, sizeof *boxes), all = box_empty();
+  probes *p = skf_alloc(1, sizeof *p);
+  status = boxes && p ? SKF_OK : SKF_ERR_NOMEM;
+  for (size_t i = 0; i < count && !status; i++) {
+    if (skf_field_region(tracers[i]->field, tracers[i]->iso, boxes + i)) boxes[i] = skeleton_box(tracers[i]->field);
+    all = box_join(all, boxes[i]);
+  }
+  if (!status) status = look_thrice(tracers, boxes, count, points, n, p, &v);
+  skf_free(boxes), skf_free(p);
   double reach = count ? v3_dot(v3_sub(box_center(all), v.from), v.forward) : 1;
   camera.from = v.from, camera.to = v3_mad(v.from, reach > 0 ? reach : 1, v.forward);
   *out = camera;
+  return status;
+}
+
+skf_status skf_camera_frame(const skf_field *const *fields, const double *isos, size_t count, const skf_vec3 *points,
+                            size_t n, double azimuth, double elevation, double fov, double aspect, skf_camera *out) {
+  skf_tracer **tracers = skf_alloc(count, sizeof *tracers);
+  skf_status status = tracers ? SKF_OK : SKF_ERR_NOMEM;
+  for (size_t i = 0; i < count && !status; i++)
+    status = skf_tracer_new_with(fields[i], isos[i], &(skf_tracer_options){.normals = 1e-3}, tracers + i);
+  if (!status)
+    status = skf_camera_frame_with((const skf_tracer *const *)tracers, count, points, n, azimuth, elevation, fov,
+                                   aspect, out);
+  for (size_t i = 0; tracers && i < count; i++) skf_tracer_free(tracers[i]);
+  skf_free(tracers);
   return status;
 }

@@ -170,6 +170,11 @@ SKF_API void skf_render_srgb16(const float *rgb, size_t n, unsigned short *out);
 SKF_API skf_status skf_camera_frame(const skf_field *const *fields, const double *isos, size_t count,
                                     const skf_vec3 *points, size_t n, double azimuth, double elevation, double fov,
                                     double aspect, skf_camera *out);
+/* The same camera for the surfaces of `count` tracers. What they find out about these serves the picture, too: of slow
+   fields that saves up to a half. */
+SKF_API skf_status skf_camera_frame_with(const skf_tracer *const *tracers, size_t count, const skf_vec3 *points,
+                                         size_t n, double azimuth, double elevation, double fov, double aspect,
+                                         skf_camera *out);
 
 /* Where a point is seen: px[0], px[1] in pixels from the upper left corner, px[2] the distance from the camera [L];
    false behind the camera. */

@@ -179,6 +179,10 @@ static void cameras_frame_what_there_is(void **state) {
       check_close(px[1], 500.0, 0.02);
       double half = asin(scale / px[2]), narrow = atan(fmin(1, aspect) * tan(fov / 2));
       check_close(tan(half), 0.9 * tan(narrow), 0.05); /* the margin is a tenth; few rays look for the edge */
+      const skf_tracer *tracers[] = {b.tracer};
+      skf_camera same; /* but for the rounding of hits, which polish normals more or less */
+      assert_int_equal(skf_camera_frame_with(tracers, 1, NULL, 0, -1, 0.5, fov, aspect, &same), SKF_OK);
+      assert_true(v3_dist(same.from, c.from) <= 1e-12 * scale && v3_dist(same.to, c.to) <= 1e-12 * scale);
       drop(b);
     }
   ball b = make(v3(0, 0, 0), 1);
