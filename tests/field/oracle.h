@@ -350,6 +350,31 @@ static inline bool oracle_corners(const skf_triangle *T, quad3 x, oracle_corner 
   return inside;
 }
 
+/* Whether one polynomial in r^2, or a metaball's root far from its branch point, is all that the triangle sees. */
+static inline bool oracle_triangle_plain(int type, quad p, const oracle_corner c[3]) {
+  quad far = 0, near = INFINITY, diam = 0;
+  for (int i = 0; i < 3; i++) {
+    quad r = q3_norm(c[i].a);
+    far = fmaxq(far, r), near = fminq(near, r), diam = fmaxq(diam, c[i].l2 - c[i].l1);
+  }
+  if (type != SKF_METABALL || 3 * far <= p) return far <= p;
+  return far <= p && near >= 4 * diam && 3 * (near - diam) > p;
+}
+
+/* By the rule's square over the corner's square: exact, or to (2 * 3 + sqrt(35))^-52. */
+static inline void oracle_triangle_rule(int type, quad p, const oracle_corner c[3], oracle_value *v) {
+  const quad(*rule)[2] = oracle_rule();
+  quad3 first = q3_sub(c[1].a, c[0].a), second = q3_sub(c[2].a, c[1].a), n = q3_cross(first, second);
+  quad area = q3_norm(n), d[3];
+  for (int i = 0; i < ORACLE_NODES; i++)
+    for (int j = 0; j < ORACLE_NODES; j++) {
+      quad s = (1 + rule[i][0]) / 2, t = s * (1 + rule[j][0]) / 2;
+      quad3 X = q3_scale(-1, q3_mad(q3_mad(c[0].a, s, first), t, second));
+      oracle_kernel(type, p, q3_dot(X, X), d);
+      oracle_add(v, area * s * rule[i][1] * rule[j][1] / 4, d, X);
+    }
+}
+
 static inline void oracle_triangle_field(const skf_element *e, quad3 x, oracle_value *v) {
   oracle_corner c[3];
   quad3 n;
@@ -357,6 +382,10 @@ static inline void oracle_triangle_field(const skf_element *e, quad3 x, oracle_v
   int type = (int)e->kernel.type;
   bool inside = oracle_corners(&e->primitive.triangle, x, c, &n, &z, &lat2), compact = oracle_compact(type);
   if (compact && z * z >= p * p) return;
+  if (compact && oracle_triangle_plain(type, p, c)) {
+    oracle_triangle_rule(type, p, c, v);
+    return;
+  }
   quad lat = sqrtq(lat2), width = compact ? sqrtq(p * p - z * z) / 2 : type < SKF_INVERSE ? 1 / p : fabsq(z);
   oracle_kernel(type, p, z * z, center);
   if (z == 0 && !compact && type >= SKF_INVERSE) center[0] = center[1] = 0;
