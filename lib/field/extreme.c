@@ -63,15 +63,26 @@ static void scale(skf_element *e, int power) {
   if (info->param) e->kernel.param = ldexp(e->kernel.param, info->compact ? power : -power);
 }
 
-/* What the closed form gives. A kernel 1e70 times narrower than the lengths is as good as one that is more so. */
+/* Kernels that are 1e70 times narrower than the lengths are evaluated as if they were `factor` times as wide: beside
+   the body Cauchy's has the fourth power of it too much, on it all have one for each dimension of the body. */
+static void narrower(const skf_element *e, skf_vec3 x, double factor, skf_value *v) {
+  int dimension = e->primitive.shape == SKF_POINT ? 0 : e->primitive.shape < SKF_TRIANGLE ? 1 : 2;
+  double by = pow(factor, skf_primitive_distance(&e->primitive, x) < 1e-40 ? -dimension : -4);
+  v->F *= by, v->g = v3_scale(by, v->g);
+  for (int k = 0; k < 6; k++) v->h[k] *= by;
+}
+
+/* What the closed form gives. */
 static void closed(skf_element e, skf_vec3 x, int order, skf_value *v) {
   skf_prepared p;
-  bool compact = skf_kernel_get(e.kernel.type)->compact;
+  const skf_kernel_info *info = skf_kernel_get(e.kernel.type);
   double narrow = e.primitive.shape == SKF_PLANE ? 1e150 : 1e70;
-  e.kernel.param = compact ? fmax(e.kernel.param, 1 / narrow) : fmin(e.kernel.param, narrow);
+  double given = !info->param ? 0 : info->compact ? 1 / e.kernel.param : e.kernel.param;
+  if (given > narrow) e.kernel.param = info->compact ? 1 / narrow : narrow;
   skf_prepare(&e, &p);
   memset(v, 0, sizeof *v);
   skf_kernel_row(e.kernel.type)->closed[e.primitive.shape](&p, x, order, v);
+  if (given > narrow) narrower(&e, x, given / narrow, v);
 }
 
 static skf_vec3 centroid(const skf_primitive *p) {

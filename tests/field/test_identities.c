@@ -223,6 +223,20 @@ static void test_extremes(void **state) {
           }
 }
 
+/* Far beyond a narrow kernel's width, and on the body itself */
+static void test_narrowest(void **state) {
+  (void)state;
+  skf_element e = {.kernel = {SKF_CAUCHY, 1e80, NULL}, .strength = 1, .primitive = {.shape = SKF_SEGMENT}};
+  e.primitive.segment = (skf_segment){v3(-1, 0, 0), v3(1, 0, 0)};
+  check_close(value(&e, v3(0, 0, 0)).F, 0.5 * SKF_PI * 1e-80, 1e-14);
+  e.kernel.param = 1e72;
+  check_close(value(&e, v3(0, 1, 0)).F, (0.25 * SKF_PI + 0.5) * 1e-288, 1e-12);
+  e.primitive = (skf_primitive){.shape = SKF_POINT};
+  check_close(value(&e, v3(0, 2, 0)).F, 6.25e-290, 1e-12);
+  e.kernel.param = 1;
+  assert_true(value(&e, v3(1e300, 0, 0)).F == 0);
+}
+
 static void test_scaling(void **state) {
   (void)state;
   for_all(scaling);
@@ -290,9 +304,9 @@ static void test_limits(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_differences), cmocka_unit_test(test_laplace), cmocka_unit_test(test_splits),
-      cmocka_unit_test(test_scaling),     cmocka_unit_test(test_motion),  cmocka_unit_test(test_limits),
-      cmocka_unit_test(test_extremes),
+      cmocka_unit_test(test_differences), cmocka_unit_test(test_laplace),   cmocka_unit_test(test_splits),
+      cmocka_unit_test(test_scaling),     cmocka_unit_test(test_motion),    cmocka_unit_test(test_limits),
+      cmocka_unit_test(test_extremes),    cmocka_unit_test(test_narrowest),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
