@@ -33,7 +33,7 @@ bool bodies_move(const skf_scene *scene) {
 static int check(const cli *c, const skf_scene *scene) {
   const char *path = cli_operand(c, 0), *hits = cli_value(c, "contacts");
   if (!scene->simulation.given)
-    return cli_fail(CLI_BAD, "%s: no simulation, expected one with t_end and output_every", path);
+    return cli_fail(CLI_BAD, "%s:1: no simulation, expected one with t_end and output_every", path);
   if (scene->particle_count)
     return cli_fail(CLI_BAD, "%s: particles among bodies that move, expected either of them", path);
   static const char *const maps[] = {"contact-map", "contact-bins", "map-body", "map-step", "map-quantity"};

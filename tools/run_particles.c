@@ -44,8 +44,9 @@ static int check(const particles *s) {
   if (cli_given(s->c, "bodies"))
     return cli_fail(CLI_BAD, "%s: no body moves, expected motion for --bodies", s->scene_path);
   if (!s->scene->simulation.given)
-    return cli_fail(CLI_BAD, "%s: no simulation, expected one with t_end and output_every", s->scene_path);
-  if (s->scene->particle_count == 0) return cli_fail(CLI_BAD, "%s: no particles, expected at least one", s->scene_path);
+    return cli_fail(CLI_BAD, "%s:1: no simulation, expected one with t_end and output_every", s->scene_path);
+  if (s->scene->particle_count == 0)
+    return cli_fail(CLI_BAD, "%s:1: no particles, expected at least one", s->scene_path);
   return run_outputs_check(s->c);
 }
 

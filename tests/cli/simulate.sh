@@ -73,10 +73,10 @@ run simulate fall.yaml -o same.csv --contacts same.csv
 expect_refused "one file for two tables" "--output and --contacts name the same file"
 grep -v simulation fall.yaml >none.yaml
 run simulate none.yaml
-expect_refused "no simulation" "none.yaml: no simulation, expected one with t_end and output_every"
+expect_refused "no simulation" "none.yaml:1: no simulation, expected one with t_end and output_every"
 sed '/- {name: /d; s/^particles:/particles: []/' fall.yaml >nobody.yaml
 run simulate nobody.yaml
-expect_refused "no particles" "nobody.yaml: no particles, expected at least one"
+expect_refused "no particles" "nobody.yaml:1: no particles, expected at least one"
 sed 's/position: \[1, 0, 0\]/position: [0, 0, 0]/' fall.yaml >inside.yaml
 run simulate inside.yaml
 expect_refused "a start in a singularity" "inside.yaml:11: particle 'stone' starts where the force is not finite"

@@ -218,6 +218,27 @@ static inline field_error case_moves(const field_case *c, const oracle_value *wa
   return most;
 }
 
+/* What moves of all the body's own numbers by up to eight ulps change. */
+static inline field_error case_body_moves(const field_case *c, const oracle_value *want,
+                                          oracle_value (*truth)(const skf_element *, skf_vec3)) {
+  const skf_shape_info *shape = skf_shape_get(c->element.primitive.shape);
+  field_error most = {0, 0, 0};
+  uint64_t seed = 1;
+  for (int round = 0; round < 16 && c->element.primitive.shape != SKF_SOLID; round++) {
+    field_case moved = *c;
+    for (int i = 0; i < shape->param_count; i++) {
+      const skf_param *p = shape->params + i;
+      double *x = (double *)(void *)((char *)&moved.element.primitive + p->offset);
+      int n = p->type == SKF_PARAM_VECTOR ? 3 : p->type == SKF_PARAM_VECTORS ? 3 * p->count : 1;
+      if (p->type == SKF_PARAM_ANGLE && *x >= 2 * SKF_PI) n = 0;
+      for (int k = 0; k < n; k++) x[k] = case_step(x[k], (int)lround(rnd(&seed, -8, 8)));
+    }
+    oracle_value v = truth(&moved.element, c->x);
+    most = error_max(most, case_differ(c, want, &v));
+  }
+  return most;
+}
+
 /* The place among others close to it. */
 enum { CASE_BATCH = 5, CASE_PLACE = 2 };
 
