@@ -4,6 +4,7 @@
 #include "field/profiled.h"
 #include "field/support.h"
 #include "field/weight.h"
+#include "num/gauss.h"
 
 /* A part of a piece within a quarter turn of chi, folded into 0 <= lo <= chi <= hi <= pi / 2. */
 typedef struct stretch {
@@ -22,6 +23,7 @@ typedef struct job {
   const skf_arc_frame *f;
   const skf_arc_clip *clip; /* NULL: not compact */
   double scale;             /* 1 / half the turn of the piece */
+  int order;
   stretch s;
   skf_arc_terms *t;
 } job;
@@ -40,6 +42,7 @@ static void add_node(void *context, double chi, double u, double v, double dchi)
   skf_arc_terms *t = j->t;
   t->F += p * d[0];
   t->k += g * out, t->p += g * around, t->z += g * z;
+  if (j->order < 2) return;
   t->kk += g + k * out * out, t->pp += g + k * around * around, t->zz += g + k * z * z;
   t->kp += k * out * around, t->kz += k * out * z, t->pz += k * around * z;
 }
@@ -69,18 +72,25 @@ static void powers(job *j) {
   skf_march_graded(&(skf_march){add_node, j}, j->s.lo, j->s.hi, j->s.length, delta);
 }
 
-/* exp(-B sin^2 chi): by panels over which the exponent grows by 8, as far as it matters */
+/* Nodes for exp(-range sin^2) and a profile over at most a quarter turn, without what the Hessian asks for. */
+static int nodes(double range) {
+  return range <= 0.3 ? 14 : range <= 1 ? 16 : range <= 4 ? 18 : range <= 10 ? 22 : range <= 20 ? 26 : SKF_GAUSS_MAX;
+}
+
+/* exp(-B sin^2 chi) as far as it matters, until the exponent has grown by 42; for the Hessian by panels over which it
+   grows by 8 */
 static void gaussian(job *j) {
   double B = j->e->kernel.param * j->e->kernel.param * j->f->spread, x = j->s.lo, hi = j->s.hi;
-  double low = sin(x) * sin(x), from = low;
-  if (B * sin(j->s.length) * sin(hi + x) <= 8) {
-    plain(j, 20);
+  double low = sin(x) * sin(x), from = low, range = B * sin(j->s.length) * sin(hi + x);
+  double step = j->order < 2 ? 42 : 8;
+  if (range <= step) {
+    plain(j, j->order < 2 ? nodes(range) : 20);
     return;
   }
   while (x < hi && B * (from - low) < 42) {
-    double level = from + 8 / B, next = level < 1 ? fmin(hi, asin(sqrt(level))) : hi;
+    double level = from + step / B, next = level < 1 ? fmin(hi, asin(sqrt(level))) : hi;
     if (!(next > x)) break;
-    part(j, x, next, 20);
+    part(j, x, next, j->order < 2 ? SKF_GAUSS_MAX : 20);
     x = next, from = level;
   }
 }
@@ -157,7 +167,7 @@ void skf_profiled_arc(const skf_prepared *e, skf_vec3 x, int order, skf_value *v
   const skf_arc_plan *plan = &e->plan.arc;
   if (f.full) f.behind = false; /* the frame leaves it */
   double a0 = f.full ? -0.5 * atan2(f.uy, f.ux) : f.a0, a1 = f.full ? a0 + SKF_PI : f.a1;
-  job j = {.e = e, .row = skf_kernel_row(e->kernel.type), .weight = e->weight, .f = &f, .t = &t};
+  job j = {.e = e, .row = skf_kernel_row(e->kernel.type), .weight = e->weight, .f = &f, .order = order, .t = &t};
   bool touched = j.row->info.singular && f.alpha == 0;
   if (touched) {
     double w = weight_here(e, &f, a0, a1);

@@ -452,6 +452,32 @@ static void measures(void **state) {
   }
 }
 
+/* Without the Hessian fewer nodes do. */
+static void fewer_nodes(void **state) {
+  (void)state;
+  uint64_t seed = 20;
+  errors worst = {0, 0, 0};
+  for (int i = 0; i < 20000; i++) {
+    skf_profile p = profiles[i % PROFILES];
+    skf_element e = {.kernel = {SKF_GAUSSIAN, exp(rnd(&seed, -3, 3))}, .strength = 1, .profile = &p}, whole = e;
+    double sweep = fmin(2 * SKF_PI, exp(rnd(&seed, -4, 2.2)));
+    e.primitive = (skf_primitive){.shape = SKF_ARC, .arc = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1, sweep}};
+    whole.primitive = e.primitive, whole.profile = NULL;
+    for (int k = 0; k <= 64; k++) whole.strength = fmax(whole.strength, fabs(skf_profile_at(&p, k / 64.)));
+    skf_vec3 x = v3(rnd(&seed, -1.4, 1.4), rnd(&seed, -1.4, 1.4), exp(rnd(&seed, -8, 0)));
+    skf_value want = value(&e, 1, x), scale = value(&whole, 1, x), got = want;
+    skf_field *f;
+    assert_int_equal(skf_field_new(&e, 1, &f), SKF_OK);
+    got.F = skf_field_at(f, x, &got.g);
+    skf_field_free(f);
+    if (!(scale.F > 1e-250)) continue;
+    errors now = compare(&got, &want, &scale, 1 / e.kernel.param);
+    worst.F = fmax(worst.F, now.F), worst.g = fmax(worst.g, now.g);
+  }
+  print_message("fewer nodes: F %.2g, gradient %.2g\n", worst.F, worst.g);
+  assert_true(worst.F < 1e-13 && worst.g < 1e-13);
+}
+
 static void refused(const skf_profile *p, skf_shape shape, skf_status want) {
   uint64_t seed = 1;
   skf_element e = {.kernel = {SKF_CAUCHY, 1}, .strength = 1, .profile = p};
@@ -496,6 +522,7 @@ int main(void) {
       cmocka_unit_test(floats),
       cmocka_unit_test(on_the_body),
       cmocka_unit_test(measures),
+      cmocka_unit_test(fewer_nodes),
       cmocka_unit_test(bad_profiles_are_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
