@@ -113,6 +113,15 @@ static int find_kind(const char *name) {
   return i;
 }
 
+/* The second key of an entry: another kind, or one that belongs into the kind's own mapping. */
+static skf_status one_key(skf_reader *r, const skf_node *entry, const skf_node *kind, const skf_node *second) {
+  const char *word = second->type == SKF_NODE_SCALAR ? skf_node_text(&r->yaml, second) : "";
+  if (!*word || kind->type != SKF_NODE_SCALAR || find_kind(word) < KINDS) return one_kind(r, entry, second->line);
+  return skf_error_set(r->error, SKF_ERR_PARSE, second->line,
+                       "'%s' beside '%s' in a skeleton entry, expected it within", skf_show(word).text,
+                       skf_show(skf_node_text(&r->yaml, kind)).text);
+}
+
 static skf_status grow(skf_reader *r, skf_pieces *into) {
   skf_body *b = into->body;
   size_t n = 2 * into->capacity + 8;
@@ -234,7 +243,7 @@ static skf_status read_entry(skf_reader *r, const skf_node *entry, const entry_t
   const skf_node *word = entry->type == SKF_NODE_MAP ? skf_node_first(&r->yaml, entry) : NULL;
   if (!word) return one_kind(r, entry, entry->line);
   const skf_node *value = skf_node_next(&r->yaml, word), *second = skf_node_next(&r->yaml, value);
-  if (second) return one_kind(r, entry, second->line);
+  if (second) return one_key(r, entry, word, second);
   int kind = word->type == SKF_NODE_SCALAR ? find_kind(skf_node_text(&r->yaml, word)) : KINDS;
   if (kind == KINDS) return one_kind(r, entry, word->line);
   bool simple = kind < SKF_SHAPE_COUNT;
