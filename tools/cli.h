@@ -63,6 +63,7 @@ typedef struct cli_out {
   FILE *file; /* NULL after cli_out_path */
   char path[4096], temp[4096];
 } cli_out;
+bool cli_streams(const char *path);             /* no name, -, a device or a pipe: its ending tells no format */
 int cli_out_open(cli_out *o, const char *path); /* CLI_DONE, or CLI_FAILED after the message */
 /* For writers that want a file name: o->temp is the name to write to, with the same ending as path. */
 int cli_out_name(cli_out *o, const char *path);

@@ -79,6 +79,12 @@ static int make_temp(cli_out *o) {
   }
 }
 
+bool cli_streams(const char *path) {
+  struct stat info;
+  if (!path || strcmp(path, "-") == 0) return true;
+  return stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode);
+}
+
 /* Settles where the data goes: through links, and straight into what is not a regular file (a device, a pipe). */
 int cli_out_name(cli_out *o, const char *path) {
   o->file = NULL;

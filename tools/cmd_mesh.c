@@ -4,9 +4,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Standard output gets the first format, PLY. */
+/* Standard output, devices and pipes get the first format, PLY. */
 static const skf_mesh_format *format_of(const char *path) {
-  const skf_mesh_format *f = !path || !strcmp(path, "-") ? skf_mesh_format_get(0) : skf_mesh_format_find(path);
+  const skf_mesh_format *f = path ? skf_mesh_format_find(path) : NULL;
+  if (!f && cli_streams(path)) f = skf_mesh_format_get(0);
   if (!f) cli_fail(CLI_BAD, "%s: the ending names no mesh format, expected .ply, .obj, .off or .stl", path);
   return f;
 }

@@ -46,6 +46,7 @@ int picture_format(const cli *c, const skf_picture_format **out) {
 
 int picture_format_of(const char *path, const skf_picture_format **out) {
   *out = skf_picture_format_find(path);
+  if (!*out && cli_streams(path)) *out = skf_picture_format_get(0);
   if (*out) return CLI_DONE;
   char list[256] = "";
   for (int i = 0; skf_picture_format_get(i); i++)

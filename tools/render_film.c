@@ -19,9 +19,9 @@ int render_film_parse(render_job *j) {
   static const char *const others[] = {"fps", "until", "turntable"};
   for (int i = 0; i < 3 && !status && !j->frames; i++)
     if (cli_given(c, others[i])) status = cli_fail(CLI_BAD, "--%s: expected --frames with it", others[i]);
-  if (!status && j->frames && (!path || !strcmp(path, "-")))
-    status = cli_fail(CLI_BAD, "--frames: a film is not written to stdout, expected -o NAME.avi or NAME.png");
   j->video = j->frames && dot && !strcasecmp(dot, ".avi");
+  if (!status && j->frames && !j->video && cli_streams(path))
+    status = cli_fail(CLI_BAD, "--frames: a film is not written to stdout, expected -o NAME.avi or NAME.png");
   if (j->video) j->format = skf_picture_format_find("frame.jpg");
   return status;
 }

@@ -29,13 +29,12 @@ static const trajectory_format formats[] = {
 };
 
 static const trajectory_format *format_of(const char *path) {
-  if (!path || strcmp(path, "-") == 0) return formats;
-  size_t n = strlen(path);
+  size_t n = path ? strlen(path) : 0;
   for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
     size_t m = strlen(formats[i].ending);
     if (n > m && strcmp(path + n - m, formats[i].ending) == 0) return formats + i;
   }
-  return NULL;
+  return cli_streams(path) ? formats : NULL;
 }
 
 int trajectory_writer_for(const char *path, const trajectory_writer **out) {

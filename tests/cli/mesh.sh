@@ -17,6 +17,9 @@ bodies:
       - segment: {from: [6, 0, -1], to: [6, 0, 1]}
 END
 
+run mesh two.yaml -o /dev/null --edge 1
+expect_status "a device needs no ending" 0
+
 for ending in ply obj off stl; do
   run mesh two.yaml -o two.$ending --edge 0.3
   expect_status "a mesh as $ending" 0

@@ -67,6 +67,8 @@ expect_nothing_written "and nothing is written"
 
 run simulate fall.yaml -o run.txt
 expect_refused "an unknown ending" "run.txt: unknown ending of a trajectory, expected .csv or .h5"
+run simulate fall.yaml -o /dev/null
+expect_status "a device needs no ending" 0
 run simulate fall.yaml --ground-track moon
 expect_refused "an unknown body" "no body is called 'moon', expected one of sun"
 run simulate fall.yaml -o same.csv --contacts same.csv
