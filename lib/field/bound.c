@@ -107,6 +107,33 @@ static skf_envelope shells(skf_kernel k, const reach *m, double radius, double g
   return sum;
 }
 
+/* Upper bound of the Hessian at distances >= d of compact kernels. Along a line it is at most the integral of h'' where
+   that is positive, and at least that of h' / r. Neither depends on how a triangle lies: no shell holds more of it than
+   its plane's, 2 pi r dr; nor a segment's more than at its middle. With y = r^2 / R^2 the quartic's h'' is (12 y - 4) /
+   R^2, the soft object's (-44 + 204 y - 120 y^2) / (9 R^2), the metaball's 3 / R^2 from R / 3 on. Beside a quartic
+   segment the integral is largest at y = 2 / 3. */
+static double compact_bend(skf_shape shape, skf_kernel k, double d) {
+  double u = fmax(d, 0) / k.param, y = u * u, loose = 1 + 1e-12, rise = INFINITY, fall = 0;
+  if (k.type == SKF_USER_KERNEL || !skf_kernel_get(k.type)->compact) return INFINITY;
+  if (u >= 1) return 0;
+  if (shape == SKF_SEGMENT && k.type == SKF_QUARTIC) {
+    y = fmax(y, 2.0 / 3);
+    return loose * 16 * y * sqrt(1 - y + 1e-15) / k.param;
+  }
+  if (shape != SKF_TRIANGLE) return INFINITY;
+  if (k.type == SKF_QUARTIC) {
+    double z = fmax(y, 1.0 / 3);
+    rise = (1 - z) * (2 + 6 * z), fall = 2 * (1 - y) * (1 - y);
+  } else if (k.type == SKF_SOFT_OBJECT) { /* (z - 1)(...): both integrals are 0 at 1 */
+    double z = fmax(y, 0.2535);
+    rise = (1 - z) * (18 + 62 * z - 40 * z * z) / 9 + 1e-6, fall = (1 - y) * (18 - 26 * y + 8 * y * y) / 9;
+  } else if (k.type == SKF_METABALL) {
+    double z = fmax(u, 1.0 / 3);
+    rise = 3 * (1 - z * z), fall = 6 * fmax(1.0 / 9 - y, 0) + 3 * (1 - z) * (1 - z);
+  }
+  return loose * SKF_PI * (fmax(rise, fall) + 1e-15);
+}
+
 static skf_bound plane_bound(const skf_element *e, double near, double far) {
   skf_envelope v = skf_plane_envelope(e->kernel, near);
   if (near <= 0 && e->kernel.type == SKF_INVERSE_SQUARED) v.value = INFINITY;
@@ -133,6 +160,7 @@ skf_bound skf_element_bound(const skf_element *e, skf_vec3 center, double radius
     reach m = reach_from(&e->primitive, center);
     if (m.near - radius > skf_kernel_end(e->kernel) * (1 + 1e-9)) return (skf_bound){0, 0, 0, 0, 0};
     skf_envelope v = shells(e->kernel, &m, radius, COARSE);
+    v.bend = fmin(v.bend, compact_bend(m.shape, e->kernel, m.near - radius));
     double farthest = m.total * skf_kernel_envelope(e->kernel, m.far + radius).value;
     if (skf_kernel_kinked(e->kernel, fmax(m.near - radius, 0), m.far + radius)) v.fourth = INFINITY;
     b = (skf_bound){tight * farthest, loose * v.value, v.slope, v.bend, v.fourth};
@@ -163,6 +191,7 @@ skf_envelope skf_element_reach(const skf_element *e, double d) {
     m.far = hypot(d, sqrt(m.total / SKF_PI));
   }
   skf_envelope v = shells(e->kernel, &m, 0, MEDIUM);
+  v.bend = fmin(v.bend, compact_bend(m.shape, e->kernel, d));
   double loose = 1 + 1e-12;
   return (skf_envelope){loose * v.value, loose * v.slope, loose * v.bend, loose * v.fourth};
 }

@@ -2,7 +2,7 @@
 /* Bounds and regions against random samples, for every kernel on every shape. */
 #include "check.h"
 #include "core/vec3.h"
-#include "field/envelope.h"
+#include "field/bound.h"
 #include "skelfield/field.h"
 #include "random.h"
 
@@ -72,6 +72,61 @@ static void bounds_hold(void **unused) {
         check_ball(f, &e, &state, scale);
         skf_field_free(f);
       }
+}
+
+/* Largest |eigenvalue|, by squaring: at least 0.98 of it. */
+static double spectral(const double h[6]) {
+  double a[3][3] = {{h[0], h[1], h[2]}, {h[1], h[3], h[4]}, {h[2], h[4], h[5]}}, b[3][3], scale = 1, size = 0;
+  for (int n = 0; n < 6; n++) {
+    size = 0;
+    for (int i = 0; i < 9; i++) size = fmax(size, fabs(a[i / 3][i % 3]));
+    if (!(size > 0)) return 0;
+    scale *= pow(size, 1. / (1 << n));
+    for (int i = 0; i < 9; i++) a[i / 3][i % 3] /= size;
+    for (int i = 0; i < 9; i++) {
+      int r = i / 3, c = i % 3;
+      b[r][c] = a[r][0] * a[0][c] + a[r][1] * a[1][c] + a[r][2] * a[2][c];
+    }
+    for (int i = 0; i < 9; i++) a[i / 3][i % 3] = b[i / 3][i % 3];
+  }
+  return scale * pow(fmax((a[0][0] + a[1][1] + a[2][2]) / 3, 0), 1. / 64); /* the trace: sum of 64th powers */
+}
+
+/* Hessians of compact kernels, whose bounds do not come from the shells: over cells of all sizes, where the kernel ends
+   and where it is widest; how near the bounds come. */
+static void hessians_hold(void **unused) {
+  (void)unused;
+  uint64_t state = 4711;
+  for (int k = 0; k < SKF_KERNEL_COUNT; k++)
+    for (int shape = SKF_SEGMENT; shape <= SKF_TRIANGLE; shape++) {
+      double most = 0;
+      if (!skf_kernel_get((skf_kernel_type)k)->compact) continue;
+      for (int trial = 0; trial < 1500; trial++) {
+        double scale = trial % 4 == 3 ? 1e-7 : trial % 4 == 2 ? 1e7 : 1;
+        skf_element e = element(&state, k, shape, scale);
+        if (trial % 3) e.kernel.param *= exp(rnd(&state, -3, 1));
+        if (trial % 5 == 4) e.strength = -e.strength;
+        double R = e.kernel.param, radius = R * exp(rnd(&state, -8, 0));
+        skf_vec3 foot = rnd_vec(&state, scale), c = v3_mad(foot, rnd(&state, 0, 1.1) * R, rnd_unit(&state));
+        skf_bound b = skf_element_bound(&e, c, radius);
+        skf_field *f;
+        assert_int_equal(skf_field_new(&e, 1, &f), SKF_OK);
+        for (int i = 0; i < 8; i++) {
+          skf_vec3 g;
+          double h[6], size;
+          skf_field_tensor_at(f, v3_mad(c, radius * cbrt(rnd(&state, 0, 1)), rnd_unit(&state)), &g, h);
+          size = spectral(h);
+          if (!(size <= b.hessian * (1 + 1e-9) + 1e-12 * fabs(e.strength) * skf_element_measure(&e) / (R * R)))
+            fail_msg("%s on %s: Hessian %.9g above its bound %.9g", skf_kernel_get(e.kernel.type)->name,
+                     skf_shape_get(e.primitive.shape)->name, size, b.hessian);
+          if (radius < 1e-2 * R && b.hessian > 0) most = fmax(most, size / b.hessian);
+        }
+        skf_field_free(f);
+      }
+      print_message("%s on %s: up to %.2f of the bound\n", skf_kernel_get((skf_kernel_type)k)->name,
+                    skf_shape_get((skf_shape)shape)->name, most);
+      assert_true(most > 0.3);
+    }
 }
 
 /* Nothing at or above iso outside of the box, and the box is not much larger than the surface. */
@@ -165,6 +220,7 @@ static void envelopes_hold(void **unused) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(envelopes_hold), cmocka_unit_test(bounds_hold),
-                                     cmocka_unit_test(regions_hold), cmocka_unit_test(regions_refuse)};
+                                     cmocka_unit_test(hessians_hold), cmocka_unit_test(regions_hold),
+                                     cmocka_unit_test(regions_refuse)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
