@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* A leaf is a cell in which the gradient turns by no more than this part of itself, */
-#define FLAT 0.8
+#define FLAT 1.2
 /* or which is this many halvings smaller than the cube. */
 #define LEVELS 14
 /* Or there are but few blobs, none of them with R below the cell's edge divided by this. */
