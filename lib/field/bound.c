@@ -112,7 +112,7 @@ static skf_envelope shells(skf_kernel k, const reach *m, double radius, double g
    its plane's, 2 pi r dr; nor a segment's more than at its middle. With y = r^2 / R^2 the quartic's h'' is (12 y - 4) /
    R^2, the soft object's (-44 + 204 y - 120 y^2) / (9 R^2), the metaball's 3 / R^2 from R / 3 on. Beside a quartic
    segment the integral is largest at y = 2 / 3. */
-static double compact_bend(skf_shape shape, skf_kernel k, double d) {
+double skf_compact_bend(skf_shape shape, skf_kernel k, double d) {
   double u = fmax(d, 0) / k.param, y = u * u, loose = 1 + 1e-12, rise = INFINITY, fall = 0;
   if (k.type == SKF_USER_KERNEL || !skf_kernel_get(k.type)->compact) return INFINITY;
   if (u >= 1) return 0;
@@ -160,7 +160,7 @@ skf_bound skf_element_bound(const skf_element *e, skf_vec3 center, double radius
     reach m = reach_from(&e->primitive, center);
     if (m.near - radius > skf_kernel_end(e->kernel) * (1 + 1e-9)) return (skf_bound){0, 0, 0, 0, 0};
     skf_envelope v = shells(e->kernel, &m, radius, COARSE);
-    v.bend = fmin(v.bend, compact_bend(m.shape, e->kernel, m.near - radius));
+    v.bend = fmin(v.bend, skf_compact_bend(m.shape, e->kernel, m.near - radius));
     double farthest = m.total * skf_kernel_envelope(e->kernel, m.far + radius).value;
     if (skf_kernel_kinked(e->kernel, fmax(m.near - radius, 0), m.far + radius)) v.fourth = INFINITY;
     b = (skf_bound){tight * farthest, loose * v.value, v.slope, v.bend, v.fourth};
@@ -191,7 +191,7 @@ skf_envelope skf_element_reach(const skf_element *e, double d) {
     m.far = hypot(d, sqrt(m.total / SKF_PI));
   }
   skf_envelope v = shells(e->kernel, &m, 0, MEDIUM);
-  v.bend = fmin(v.bend, compact_bend(m.shape, e->kernel, d));
+  v.bend = fmin(v.bend, skf_compact_bend(m.shape, e->kernel, d));
   double loose = 1 + 1e-12;
   return (skf_envelope){loose * v.value, loose * v.slope, loose * v.bend, loose * v.fourth};
 }

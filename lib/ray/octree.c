@@ -71,6 +71,7 @@ bool skf_octree_add(const skf_octree *t, uint32_t i, skf_vec3 c, double radius, 
   if (s->disc && d < s->reach) g.below = fmax(g.below, skf_source_disc(s, c, radius));
   if (s->sheet && d < s->reach) g.above.slope = fmin(g.above.slope, skf_source_steepness(s, c, radius));
   if (s->bulk && d < s->reach) g.above = skf_source_bulk(s, c, radius);
+  if (s->aside) g.above.bend = fmin(g.above.bend, skf_source_aside(s, c, radius, d * (1 - 1e-12) - radius));
   if (!(g.above.value > 0)) return false;
   o->lo += skf_weight_times(s->least, s->least > 0 ? g.below : g.above.value);
   o->hi += skf_weight_times(s->most, s->most > 0 ? g.above.value : g.below);

@@ -59,6 +59,18 @@ static const skf_grade *table_of(const skf_source *s) {
   return other;
 }
 
+static void set_edges(skf_source *s) {
+  const skf_vec3 *v = s->element.primitive.triangle.vertices;
+  skf_vec3 n = v3_unit(v3_cross(v3_sub(v[1], v[0]), v3_sub(v[2], v[0]))), out[3];
+  for (int i = 0; i < 3; i++) {
+    out[i] = v3_unit(v3_cross(v3_sub(v[(i + 1) % 3], v[i]), n));
+    s->edge[i] = fmax(v3_dot(out[i], v[i]), fmax(v3_dot(out[i], v[(i + 1) % 3]), v3_dot(out[i], v[(i + 2) % 3])));
+  }
+  s->a = out[0], s->b = out[1], s->c = out[2];
+  bool sliver = !(s->measure > 1e-3 * s->reach * s->reach); /* its plane is not known well enough */
+  s->aside = !sliver && skf_compact_bend(SKF_TRIANGLE, s->element.kernel, 0) < INFINITY;
+}
+
 static void frame(skf_source *s) {
   const skf_primitive *p = &s->element.primitive;
   if (p->shape == SKF_SEGMENT) {
@@ -77,6 +89,7 @@ static void frame(skf_source *s) {
   } else if (p->shape == SKF_TRIANGLE) {
     s->disc = s->element.kernel.type == SKF_INVERSE_SQUARED;
     s->sheet = s->element.kernel.type == SKF_INVERSE;
+    set_edges(s);
   } else if (p->shape == SKF_SOLID) {
     s->bulk = true;
   } else if (p->shape == SKF_PLANE) {
@@ -152,6 +165,17 @@ double skf_source_steepness(const skf_source *s, skf_vec3 x, double radius) {
     sum += 2 * asinh(0.5 * v3_dist(v[i], v[(i + 1) % 3]) / d);
   }
   return sum * (1 + 1e-12);
+}
+
+/* A circle of radius r <= R about the foot of x, which is at least t beyond an edge's line, is beyond that line with a
+   part acos(t / r) / pi. */
+double skf_source_aside(const skf_source *s, skf_vec3 x, double radius, double near) {
+  double t = fmax(v3_dot(s->a, x) - s->edge[0], fmax(v3_dot(s->b, x) - s->edge[1], v3_dot(s->c, x) - s->edge[2]));
+  double R = skf_kernel_end(s->element.kernel), size = v3_norm(x) + v3_norm(s->middle) + s->reach + R;
+  t -= radius + 4e-12 * size;
+  if (!(t > 0)) return INFINITY;
+  if (t >= R) return 0;
+  return skf_compact_bend(SKF_TRIANGLE, s->element.kernel, near) * (acos(t / R) / SKF_PI) * (1 + 1e-12);
 }
 
 skf_envelope skf_source_bulk(const skf_source *s, skf_vec3 x, double radius) {

@@ -27,6 +27,8 @@ typedef struct skf_source {
   double length, cosine;
   bool whole, disc, sheet; /* a full circle; skf_source_disc, skf_source_steepness are of use */
   bool bulk;               /* a solid: skf_source_bulk is of use */
+  bool aside;              /* a triangle of a compact kernel: skf_source_aside is of use */
+  double edge[3];          /* its edges' lines are v . x = edge, v = a, b, c, which point away from it in its plane */
   /* grades at unit, ... growing by eighths of octaves, made when they are first asked for; none of points and planes */
   size_t grades;
   double unit;
@@ -53,6 +55,10 @@ double skf_source_disc(const skf_source *s, skf_vec3 x, double radius);
 /* For triangles of the inverse kernel, whose gradient jumps across them: an upper bound of its length within `radius`
    of x. It is at most 2 pi across, and along the triangle the sum of the integrals of 1 / r over the edges. */
 double skf_source_steepness(const skf_source *s, skf_vec3 x, double radius);
+
+/* For triangles of compact kernels: an upper bound of the Hessian within `radius` of x, where they are at a distance
+   >= near: beside an edge only a part of the directions lead to the triangle. */
+double skf_source_aside(const skf_source *s, skf_vec3 x, double radius, double near);
 
 /* For solids, whose derivatives depend on the distance from the surface, inside too: suprema within `radius` of x. */
 skf_envelope skf_source_bulk(const skf_source *s, skf_vec3 x, double radius);

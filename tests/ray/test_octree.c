@@ -232,11 +232,52 @@ static void without_memory(void **unused) {
   done_with(t, f);
 }
 
+/* Beside the edges of triangles of compact kernels, against Hessians all over random cells. */
+static void beside_edges(void **unused) {
+  (void)unused;
+  uint64_t state = 1848;
+  double most = 0;
+  size_t beside = 0;
+  for (int trial = 0; trial < 6000; trial++) {
+    double scale = trial % 4 == 3 ? 1e-7 : trial % 4 == 2 ? 1e7 : 1;
+    skf_kernel_type k = trial % 3 == 0 ? SKF_QUARTIC : trial % 3 == 1 ? SKF_SOFT_OBJECT : SKF_METABALL;
+    skf_element e = {.kernel = {k, scale * exp(rnd(&state, -2.5, 1))}, .strength = 1};
+    rnd_primitive(&state, SKF_TRIANGLE, scale, &e.primitive);
+    double R = e.kernel.param, radius = R * exp(rnd(&state, -7, 0));
+    skf_vec3 on = skf_primitive_point(&e.primitive, trial % 5 ? rnd(&state, 0, 1) : 1, rnd(&state, 0, 1));
+    skf_vec3 c = v3_mad(on, rnd(&state, 0, 1) * R, rnd_unit(&state));
+    skf_source s;
+    skf_source_init(&e, &s);
+    double near = fmax(skf_source_distance(&s, c) * (1 - 1e-12) - radius, 0);
+    double bend = s.aside ? skf_source_aside(&s, c, radius, near) : INFINITY;
+    skf_source_free(&s);
+    if (!(bend < INFINITY)) continue;
+    skf_field *f;
+    assert_int_equal(skf_field_new(&e, 1, &f), SKF_OK);
+    for (int i = 0; i < 8; i++) {
+      skf_vec3 g;
+      double h[6];
+      skf_field_tensor_at(f, v3_mad(c, radius * cbrt(rnd(&state, 0, 1)), rnd_unit(&state)), &g, h);
+      for (int n = 0; n < 12; n++) {
+        skf_vec3 u = rnd_unit(&state);
+        double size = v3_norm(v3(h[0] * u.x + h[1] * u.y + h[2] * u.z, h[1] * u.x + h[3] * u.y + h[4] * u.z,
+                                 h[2] * u.x + h[4] * u.y + h[5] * u.z));
+        assert_true(size <= bend + 1e-12);
+        if (radius < 0.02 * R && bend > 0) most = fmax(most, size / bend);
+      }
+    }
+    skf_field_free(f);
+    beside++;
+  }
+  print_message("%zu cells beside edges, up to %.2f of the bound\n", beside, most);
+  assert_true(beside > 500 && most > 0.3);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(many_elements),  cmocka_unit_test(small_and_far_off), cmocka_unit_test(needles),
       cmocka_unit_test(history),        cmocka_unit_test(first_of_all),      cmocka_unit_test(from_walls),
-      cmocka_unit_test(without_memory),
+      cmocka_unit_test(without_memory), cmocka_unit_test(beside_edges),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
