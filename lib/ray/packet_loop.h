@@ -84,30 +84,41 @@ SKF_INLINE void pass(const skf_packet *p, int i, double middle, skf_vd t[VECTORS
     t[v] = (vd_set(middle) - vd_load(p->o[i] + SKF_LANES * v)) * vd_load(p->per[i] + SKF_LANES * v);
 }
 
-/* The part of a span in the k-th child of a branch whose middles it passes at t. */
-SKF_INLINE void enter(const span *all, const skf_vd *tx, const skf_vd *ty, const skf_vd *tz, int k, span *out) {
-  for (int v = 0; v < VECTORS; v++) {
-    skf_vd a = all->a[v], b = all->b[v];
-    a = k & 1 ? vd_max(a, tx[v]) : a, b = k & 1 ? b : vd_min(b, tx[v]);
-    a = k & 2 ? vd_max(a, ty[v]) : a, b = k & 2 ? b : vd_min(b, ty[v]);
-    a = k & 4 ? vd_max(a, tz[v]) : a, b = k & 4 ? b : vd_min(b, tz[v]);
-    out->a[v] = a, out->b[v] = b;
-  }
+/* The part of a span before it passes a middle at t, or behind. */
+SKF_INLINE span halved(const span *s, const skf_vd *t, unsigned behind) {
+  span out = *s;
+  for (int v = 0; v < VECTORS; v++)
+    if (behind)
+      out.a[v] = vd_max(s->a[v], t[v]);
+    else
+      out.b[v] = vd_min(s->b[v], t[v]);
+  return out;
 }
 
-/* The children in the order in which rays that go forwards in all coordinates come to them. */
+/* The children in the order in which rays that go forwards in all coordinates come to them; a half or a quarter into
+   which no lane goes is passed over as a whole. */
 static void descend(skf_packet *p, skf_branch *branch, const span *at) {
   skf_octree *tree = p->tracer->tree;
-  span all = *at, s;
+  span all = *at;
   skf_vd tx[VECTORS], ty[VECTORS], tz[VECTORS];
   pass(p, 0, branch->middle.x, tx), pass(p, 1, branch->middle.y, ty), pass(p, 2, branch->middle.z, tz);
   unsigned outside = atomic_load_explicit(&branch->outside, memory_order_relaxed), turn = (unsigned)p->backwards;
-#pragma GCC unroll 8
-  for (unsigned k = 0; k < 8; k++) {
-    unsigned lanes;
-    if (outside >> (k ^ turn) & 1) continue;
-    enter(&all, tx, ty, tz, (int)k, &s);
-    if ((lanes = lanes_of(p, &s))) meet(p, skf_octree_child(tree, branch, (int)(k ^ turn)), &s, lanes);
+#pragma GCC unroll 2
+  for (unsigned z = 0; z < 8; z += 4) {
+    span half = halved(&all, tz, z);
+    if (!lanes_of(p, &half)) continue;
+#pragma GCC unroll 2
+    for (unsigned y = 0; y < 4; y += 2) {
+      span quarter = halved(&half, ty, y);
+      if (!lanes_of(p, &quarter)) continue;
+#pragma GCC unroll 2
+      for (unsigned x = 0; x < 2; x++) {
+        unsigned k = (x | y | z) ^ turn, lanes;
+        if (outside >> k & 1) continue;
+        span s = halved(&quarter, tx, x);
+        if ((lanes = lanes_of(p, &s))) meet(p, skf_octree_child(tree, branch, (int)k), &s, lanes);
+      }
+    }
   }
 }
 
