@@ -73,6 +73,17 @@ static cell enclose_in_leaf(const skf_leaf *leaf, double L) {
                 fmin(0.00801876 * L4 * leaf->fourth, 0.2516 * L2 * leaf->bend), L * leaf->slope};
 }
 
+/* Largest distance from the source along the cell, whose middle is at d: the distance from what is convex is so along
+   the ray, and largest at an end. It matters where the ray runs along a segment or a triangle, perhaps within. */
+static double farthest(const skf_walk *w, const skf_source *s, double a, double b, double d, double slack) {
+  skf_shape shape = s->element.primitive.shape;
+  double most = d * (1 + 1e-12) + 0.5 * (b - a) + slack;
+  if ((shape != SKF_SEGMENT && shape != SKF_TRIANGLE) || d >= b - a) return most;
+  double first = skf_source_distance(s, v3_mad(w->origin, a, w->direction)),
+         last = skf_source_distance(s, v3_mad(w->origin, b, w->direction));
+  return fmin(most, fmax(first, last) * (1 + 1e-12) + slack);
+}
+
 static cell enclose(const skf_walk *w, double a, double b) {
   const skf_tracer *tr = w->tracer;
   if (w->leaf) return enclose_in_leaf(w->leaf, b - a);
@@ -93,7 +104,8 @@ static cell enclose(const skf_walk *w, double a, double b) {
     double along = plane ? fabs(skf_source_descent(s, w->direction)) : 1, reach = along * half + slack;
     double d = skf_source_distance(s, p), x = fmax(fabs(s->least), fabs(s->most)), L2 = along * L * along * L,
            L4 = L2 * L2;
-    skf_grade g = skf_source_grade(s, fmax(d * (1 - 1e-12) - reach, 0), d * (1 + 1e-12) + reach);
+    double far = plane ? d * (1 + 1e-12) + reach : farthest(w, s, a, b, d, slack);
+    skf_grade g = skf_source_grade(s, fmax(d * (1 - 1e-12) - reach, 0), far);
     if (s->disc && d < s->reach) g.below = fmax(g.below, skf_source_disc(s, p, reach));
     if (s->sheet && d < s->reach) g.above.slope = fmin(g.above.slope, skf_source_steepness(s, p, reach));
     if (s->bulk && d < s->reach) g.above = skf_source_bulk(s, p, reach);

@@ -275,10 +275,33 @@ static void queries(void **unused) {
   skf_field_free(f);
 }
 
+/* Rays along a thin segment and in a triangle, from within and from before: few cells, however thin they are. */
+static void along(void **unused) {
+  (void)unused;
+  skf_element e[2] = {{.kernel = {SKF_INVERSE_SQUARED, 0}, .strength = 1, .primitive = {.shape = SKF_SEGMENT}},
+                      {.kernel = {SKF_INVERSE_SQUARED, 0}, .strength = 1, .primitive = {.shape = SKF_TRIANGLE}}};
+  e[0].primitive.segment = (skf_segment){{0.3, -0.1, 0.2}, {1.7, 0.9, -0.4}};
+  e[1].primitive.triangle = (skf_triangle){{{0, 0, 3}, {2, 0, 3}, {0.3, 1, 3.1}}};
+  skf_field *f;
+  skf_tracer *t = tracer_of(e, 2, 1e8, &f);
+  for (int from = 0; from < 2; from++) {
+    skf_vec3 d = v3_sub(e[0].primitive.segment.to, e[0].primitive.segment.from);
+    skf_ray r = {v3_mad(e[0].primitive.segment.from, from ? -1 : 0.3, d), d, 0, INFINITY};
+    skf_hit hits[DENSE_HITS];
+    size_t n;
+    skf_ray_report report = {0};
+    assert_int_equal(skf_tracer_all(t, &r, DENSE_HITS, hits, &n, &report), SKF_OK);
+    assert_int_equal(n, from ? 2 : 1);
+    check_close(hits[n - 1].t, (from ? 2 : 0.7) * v3_norm(d), 1e-7);
+    assert_true(report.cells < 20000); /* once 3e8 */
+  }
+  done_with(t, f);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(sphere),    cmocka_unit_test(through_the_donut),
-                                     cmocka_unit_test(scales),    cmocka_unit_test(planes),
-                                     cmocka_unit_test(one_plane), cmocka_unit_test(tangents),
-                                     cmocka_unit_test(queries),   cmocka_unit_test(random_scenes)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(sphere),  cmocka_unit_test(through_the_donut), cmocka_unit_test(scales),
+      cmocka_unit_test(planes),  cmocka_unit_test(one_plane),         cmocka_unit_test(tangents),
+      cmocka_unit_test(queries), cmocka_unit_test(random_scenes),     cmocka_unit_test(along)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
