@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Vector form: 1 / r along a circle. Points next to it are left to the closed form. */
+/* Vector form: 1 / r along a circle. Points within a thousandth of its width are left to the closed form. */
 #ifndef SKF_FIELD_BATCH_CIRCLE_H
 #define SKF_FIELD_BATCH_CIRCLE_H
 
@@ -34,17 +34,21 @@ SKF_INLINE elliptic_view elliptic_series(skf_vd x) {
                          vd_estrin(d, sizeof d / sizeof *d, x)};
 }
 
-/* The circle's centre and normal; R^2, 2 R^2, 4 pi R times the strength. */
+/* The circle's centre and normal; R^2, 2 R^2, 4 pi R times the strength; R, the normal as given and 1 / its length. */
 typedef struct circle_row {
   skf_v3d center, n;
   skf_vd R2, twice, F;
+  skf_vd R;
+  skf_v3d raw;
+  skf_vd per_raw;
 } circle_row;
 
 static double *circle_pack(const skf_prepared *e, double *k) {
   const skf_arc_plan *a = &e->plan.arc;
   double R2 = a->radius * a->radius;
   k = pack3(pack3(k, e->primitive.arc.center), a->n);
-  return pack1(pack1(pack1(k, R2), 2 * R2), 4 * SKF_PI * a->radius * e->strength);
+  k = pack1(pack1(pack1(k, R2), 2 * R2), 4 * SKF_PI * a->radius * e->strength);
+  return pack1(pack3(pack1(k, a->radius), e->primitive.arc.normal), 1 / v3_norm(e->primitive.arc.normal));
 }
 
 /* F = 2 pi R / M, M the arithmetic-geometric mean of the least and the largest distance from the circle, a0 and g0.
@@ -93,7 +97,32 @@ SKF_INLINE skf_vvalue inverse_circle_end(const circle_row *c, const inverse_circ
   return (skf_vvalue){c->F * e.K * ((s->a + s->g) * top), vd3_less(g, c->F * (along * s->z), c->n), s->good};
 }
 
-SKF_BATCH_CROSSED(inverse_circle, circle, skf_again_none, inverse_circle_roots, inverse_circle_quotients,
+#ifdef SKF_VEC_FLOAT
+#define inverse_circle_next skf_again_none
+#else
+/* Next to the circle, down to r_near = r_far / 1000: k^2 - R^2 and z from the lower halves of the coordinates, and two
+   steps more, (a + g) / 2 and sqrt(a g), before the series: p = 1 / M = 2 K(q^2) / (a + g) has slopes of one sign. */
+SKF_OUTLINE skf_vvalue inverse_circle_next(const circle_row *c, skf_v3d x) {
+  skf_vd half = vd_set(0.5), two = vd_set(2);
+  skf_v3d d = vd3_sub(x, c->center);
+  skf_vd z = c->per_raw * vd3_dot_exact(d, vd3_lost(x, c->center, d), c->raw), zz = z * z;
+  skf_vd less = -power_exact(c->R, x, c->center, d) - zz, k2 = c->R2 + less, s = k2 + c->R2 + zz;
+  skf_vd D = vd_sqrt(vd_fma(less, less, zz * (s + (k2 + c->R2)))), a0 = vd_sqrt(half * (s + D)), g0 = vd_sqrt(D);
+  skf_vd a1 = half * (a0 + g0), g1 = vd_sqrt(a0 * g0), sum = a1 + g1, per = vd_set(1) / sum, q = (a1 - g1) * per;
+  elliptic_view e = elliptic_series(q * q);
+  skf_vd m = vd_set(4) * q * e.slope * per, scale = two * per * per;
+  skf_vd by_a1 = scale * vd_fms(m, g1, e.K), by_g1 = -scale * vd_fma(m, a1, e.K);
+  skf_vd by_a0 = half * by_a1 + by_g1 * (half * g1 / a0), by_g0 = half * by_a1 + by_g1 * (half * g1 / g0);
+  skf_vd by_s = by_a0 / (vd_set(4) * a0), by_D = (by_s + by_g0 / (two * g0)) / D;
+  skf_vd F = half * c->F, across = two * F * vd_fma(by_D, less + zz, by_s), along = two * F * vd_fma(by_D, s, by_s);
+  skf_v3d w = vd3_less(d, z, c->n), g = vd3_scale(across, w);
+  return (skf_vvalue){F * two * e.K * per, vd3_less(g, -along * z, c->n),
+                      (vd_set(2.5e5) * D > vd_set(500) * s) & (s < vd_set(1e70)) & (s > vd_set(1e-70)) &
+                          (vd_set(16) * D < s)};
+}
+#endif
+
+SKF_BATCH_CROSSED(inverse_circle, circle, inverse_circle_next, inverse_circle_roots, inverse_circle_quotients,
                   skf_stage_none)
 
 #endif
