@@ -120,8 +120,7 @@ static picture open_picture(const bench_scene *s, int size) {
   p.rays = malloc(p.n * sizeof *p.rays), p.hits = malloc(p.n * sizeof *p.hits), p.found = malloc(p.n);
   if (!p.rays || !p.hits || !p.found) exit(1);
   memset(p.hits, 1, p.n * sizeof *p.hits), memset(p.found, 1, p.n); /* no page is new */
-  for (int y = 0; y < size; y++)
-    for (int x = 0; x < size; x++) p.rays[y * size + x] = bench_ray(s, size, x, y);
+  bench_rays(s, size, p.rays);
   return p;
 }
 

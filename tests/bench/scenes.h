@@ -101,12 +101,17 @@ static inline bench_scene bench_scene_make(int k, skf_element *room, size_t size
   return s;
 }
 
-/* The ray through pixel (x, y) of n x n, 40 degrees wide. */
-static inline skf_ray bench_ray(const bench_scene *s, int n, int x, int y) {
-  double t = tan(20 * SKF_PI / 180), a = (2 * (x + 0.5) / n - 1) * t, b = (1 - 2 * (y + 0.5) / n) * t;
+/* The rays through the pixels of n x n, 40 degrees wide, row by row. */
+static inline void bench_rays(const bench_scene *s, int n, skf_ray *out) {
   skf_vec3 forward = v3_unit(v3_sub(s->to, s->from)), right = v3_unit(v3_cross(v3(0, 1, 0), forward));
-  skf_vec3 up = v3_cross(forward, right), d = v3_add(forward, v3_add(v3_scale(a, right), v3_scale(b, up)));
-  return (skf_ray){s->from, d, 0, INFINITY};
+  skf_vec3 up = v3_cross(forward, right);
+  double t = tan(20 * SKF_PI / 180);
+  for (int y = 0; y < n; y++)
+    for (int x = 0; x < n; x++) {
+      double a = (2 * (x + 0.5) / n - 1) * t, b = (1 - 2 * (y + 0.5) / n) * t;
+      skf_vec3 d = v3_add(forward, v3_add(v3_scale(a, right), v3_scale(b, up)));
+      *out++ = (skf_ray){s->from, d, 0, INFINITY};
+    }
 }
 
 #endif
