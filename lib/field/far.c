@@ -7,8 +7,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+static size_t find_in_grid(const skf_far *f, skf_vec3 p) {
+  const far_grid *g = &f->wide;
+  size_t cell = 0;
+  for (int k = 2; k >= 0; k--) {
+    double u = (v3_get(p, k) - v3_get(g->lo, k)) / g->side;
+    if (!(u >= 0 && u < g->width)) return f->leaves - 1;
+    cell = cell * (size_t)g->width + (size_t)u;
+  }
+  return g->leaf[cell] ? g->leaf[cell] - 1 : f->leaves - 1;
+}
+
 /* The leaf that holds the point, the last one outside of the root. */
 static size_t find(const skf_far *f, skf_vec3 p) {
+  if (f->wide.width) return find_in_grid(f, p);
   const far_tree *t = &f->tree;
   long at[3];
   for (int k = 0; k < 3; k++) {
@@ -46,7 +58,7 @@ static void begin(const skf_far *f, const far_leaf *l, far_points *b) {
   for (int k = 0; k < 3; k++)
     for (size_t i = b->n; i < b->padded; i++) b->p[k][i] = b->p[k][b->n - 1];
   memset(&b->sum, 0, sizeof b->sum);
-  if (f->narrow) skf_far_narrow_add(f, b);
+  if (f->narrow && !l->tensor) skf_far_narrow_add(f, b);
   if (!l->tensor) return;
   double x[3][SKF_BATCH];
   for (int k = 0; k < 3; k++)
@@ -261,7 +273,7 @@ void skf_far_value(const skf_far *f, skf_vec3 p, int order, skf_value *v) {
     harmonic_hessian(f, l, p, h);
   else if (l->tensor)
     local_hessian(f, l, p, h);
-  if (f->narrow) skf_far_narrow_hessian(f, p, h);
+  if (f->narrow && !l->tensor) skf_far_narrow_hessian(f, p, h);
   for (size_t i = 0; i < l->count; i++) {
     const skf_batch *sources = f->batch + f->list[l->first + i];
     for (size_t t = 0; t < sources->tiles; t++)

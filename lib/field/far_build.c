@@ -13,6 +13,8 @@ static size_t around(skf_kernel_type type, double accuracy) {
   return type == SKF_GAUSSIAN ? 600 : (size_t)fmax(600, (type == SKF_INVERSE ? 37 : 55) * digits * digits);
 }
 
+static size_t most_bytes(size_t n) { return (size_t)(0x1p28 + 0x1p10 * (double)n); }
+
 /* Cells of targets: at most 256 MiB and 1 KiB for each element; of Gaussians, that have no tensors, as many as there
    are. */
 static size_t most_targets(skf_kernel_type type, size_t n, double accuracy) {
@@ -123,7 +125,23 @@ static bool list_around(skf_far *f, size_t *capacity, const far_target *p) {
   return true;
 }
 
+/* The cells of the grid that have tensors, in their order, then all that is outside. */
+static bool make_wide_leaves(skf_far *f) {
+  const far_grid *g = &f->wide;
+  const int w = g->width;
+  if (!(f->leaf = skf_alloc(g->count + 1, sizeof *f->leaf))) return false;
+  f->leaves = g->count + 1;
+  for (int i = 0; i < w * w * w; i++) {
+    if (!g->leaf[i]) continue;
+    skf_vec3 at = {i % w + 0.5, i / w % w + 0.5, i / w / w + 0.5};
+    f->leaf[g->leaf[i] - 1] = (far_leaf){v3_mad(g->lo, g->side, at), 2 / (FAR_WIDE * g->side),
+                                         f->tensors + (g->leaf[i] - 1) * f->layout.size, 0, 0};
+  }
+  return true;
+}
+
 static bool make_leaves(skf_far *f) {
+  if (f->wide.width) return make_wide_leaves(f);
   const far_tree *t = &f->tree;
   size_t capacity = 0;
   f->leaf_of = skf_alloc(t->target_count, sizeof *f->leaf_of);
@@ -148,6 +166,12 @@ static bool make_leaves(skf_far *f) {
   return list_add(f, &capacity, f->batches - 1);
 }
 
+static skf_status narrow_or_wide(skf_far *f, const skf_prepared *elements, double accuracy, size_t most, bool wide) {
+  skf_status s = wide ? skf_far_wide(f, elements, accuracy, most) : SKF_ERR_UNSUPPORTED;
+  if (s != SKF_ERR_UNSUPPORTED) return s;
+  return skf_far_narrow_pays(f) ? SKF_OK : SKF_ERR_UNSUPPORTED;
+}
+
 skf_status skf_far_new(const skf_batch_ops *batch_ops, bool vectors, const skf_prepared *elements, size_t n,
                        double accuracy, skf_far **out) {
   *out = NULL;
@@ -164,10 +188,11 @@ skf_status skf_far_new(const skf_batch_ops *batch_ops, bool vectors, const skf_p
 #endif
     (void)vectors;
     s = SKF_ERR_UNSUPPORTED;
+    double fine = narrow ? skf_far_wide_side(elements, n, accuracy) : INFINITY;
     if (skf_far_tree_build(elements, n, type == SKF_INVERSE ? FAR_NEAR : FAR_NEIGHBOURS, around(type, accuracy),
-                           most_targets(type, n, accuracy), &f->tree))
+                           most_targets(type, n, accuracy), fine, &f->tree))
       s = narrow ? skf_far_narrow(f, elements, accuracy) : skf_far_expand(f, elements, accuracy, whole);
-    if (!s && narrow && !skf_far_narrow_pays(f)) s = SKF_ERR_UNSUPPORTED;
+    if (!s && narrow) s = narrow_or_wide(f, elements, accuracy, most_bytes(n), isfinite(fine));
     if (!s) s = make_batches(f, elements, whole);
     if (!s && !make_leaves(f)) s = SKF_ERR_NOMEM;
     skf_free(f->tree.pieces.at), f->tree.pieces = (far_pieces){.count = 0};
@@ -183,5 +208,5 @@ void skf_far_free(skf_far *f) {
   skf_far_tree_free(&f->tree);
   skf_far_harmonic_free(f->harmonic), skf_free(f->whole), skf_free(f->narrow), skf_free(f->ball);
   skf_free(f->tensors), skf_free(f->prepared), skf_free(f->batch), skf_free(f->list), skf_free(f->leaf_of);
-  skf_free(f->leaf), skf_free(f);
+  skf_free(f->leaf), skf_free(f->wide.leaf), skf_free(f);
 }

@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NODES = 56 }; /* of the interpolation that gives the coefficients */
-
 static double power_of(skf_kernel_type type) {
   return type == SKF_INVERSE ? 0.5 : type == SKF_INVERSE_SQUARED ? 1 : type == SKF_CAUCHY ? 2 : 0;
 }
@@ -55,39 +53,38 @@ static bool find(double alpha, double R, double accuracy, exponentials *e) {
   return false;
 }
 
-/* Coefficients of exp(-t (x/2 - FAR_WIDE y/2 - shift)^2) in T_j(x) T_i(y). */
-static void coefficients(double t, double shift, double c[NODES][NODES]) {
-  double T[NODES][NODES], f[NODES][NODES], half[NODES][NODES], x[NODES];
-  for (int k = 0; k < NODES; k++) {
-    x[k] = cos(SKF_PI * (k + 0.5) / NODES);
-    for (int i = 0; i < NODES; i++) /* the angle reduced exactly */
-      T[k][i] = cos(SKF_PI * (i * (2 * k + 1) % (4 * NODES)) / (2 * NODES)) * (i ? 2.0 : 1.0) / NODES;
+void skf_far_gaussian(double t, double shift, double c[FAR_NODES][FAR_NODES]) {
+  double T[FAR_NODES][FAR_NODES], f[FAR_NODES][FAR_NODES], half[FAR_NODES][FAR_NODES], x[FAR_NODES];
+  for (int k = 0; k < FAR_NODES; k++) {
+    x[k] = cos(SKF_PI * (k + 0.5) / FAR_NODES);
+    for (int i = 0; i < FAR_NODES; i++) /* the angle reduced exactly */
+      T[k][i] = cos(SKF_PI * (i * (2 * k + 1) % (4 * FAR_NODES)) / (2 * FAR_NODES)) * (i ? 2.0 : 1.0) / FAR_NODES;
   }
-  for (int k = 0; k < NODES; k++)
-    for (int l = 0; l < NODES; l++) {
+  for (int k = 0; k < FAR_NODES; k++)
+    for (int l = 0; l < FAR_NODES; l++) {
       double d = 0.5 * FAR_WIDE * (x[k] - x[l]) - shift;
       f[k][l] = exp(-t * d * d);
     }
   memset(half, 0, sizeof half);
-  memset(c, 0, NODES * sizeof *c);
-  for (int k = 0; k < NODES; k++)
-    for (int l = 0; l < NODES; l++)
-      for (int i = 0; i < NODES; i++) half[k][i] += f[k][l] * T[l][i];
-  for (int k = 0; k < NODES; k++)
-    for (int j = 0; j < NODES; j++)
-      for (int i = 0; i < NODES; i++) c[j][i] += T[k][j] * half[k][i];
+  memset(c, 0, FAR_NODES * sizeof *c);
+  for (int k = 0; k < FAR_NODES; k++)
+    for (int l = 0; l < FAR_NODES; l++)
+      for (int i = 0; i < FAR_NODES; i++) half[k][i] += f[k][l] * T[l][i];
+  for (int k = 0; k < FAR_NODES; k++)
+    for (int j = 0; j < FAR_NODES; j++)
+      for (int i = 0; i < FAR_NODES; i++) c[j][i] += T[k][j] * half[k][i];
 }
 
 /* What is lost when the polynomials from n on are left out along one axis, of F and of its derivative per side. */
 typedef struct tail {
-  double lost[2][NODES + 1];
+  double lost[2][FAR_NODES + 1];
 } tail;
 
-static void tails(double c[NODES][NODES], tail *out) {
+static void tails(double c[FAR_NODES][FAR_NODES], tail *out) {
   memset(out, 0, sizeof *out);
-  for (int n = NODES - 1; n >= 0; n--) {
+  for (int n = FAR_NODES - 1; n >= 0; n--) {
     double s = 0, d = 0;
-    for (int k = 0; k < NODES; k++) { /* less is rounding */
+    for (int k = 0; k < FAR_NODES; k++) { /* less is rounding */
       if (fabs(c[k][n]) > 1e-15) s += fabs(c[k][n]), d += 2 * k * fabs(c[k][n]);
       if (fabs(c[n][k]) > 1e-15) s += fabs(c[n][k]), d += 2 * n * fabs(c[n][k]);
     }
@@ -131,14 +128,14 @@ static int total_order(int n, double accuracy) {
 }
 
 static bool expand(far_term *g, double alpha, double c2, double accuracy, int count) {
-  double c[FAR_REACH + 1][NODES][NODES];
+  double c[FAR_REACH + 1][FAR_NODES][FAR_NODES];
   tail axis[FAR_REACH + 1];
   for (int s = 0; s <= FAR_REACH; s++) {
-    coefficients(g->t, s, c[s]);
+    skf_far_gaussian(g->t, s, c[s]);
     tails(c[s], axis + s);
   }
   int n = 2;
-  while (n < NODES && loss(g, axis, n, alpha, c2) > 5 * accuracy / count) n++;
+  while (n < FAR_NODES && loss(g, axis, n, alpha, c2) > 5 * accuracy / count) n++;
   g->order = total_order(n, accuracy);
   if (g->order > FAR_ORDER) return false;
   for (int s = 0; s < FAR_SHIFTS; s++) {

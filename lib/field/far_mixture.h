@@ -13,6 +13,8 @@
 /* FAR_ORDER: polynomials are kept up to that total degree. FAR_REACH: cells of an interaction list are at most that
  * many cells apart along each axis. */
 enum { FAR_ORDER = 48, FAR_TERMS = 64, FAR_REACH = 3, FAR_SHIFTS = 2 * FAR_REACH + 1 };
+/* Nodes of the interpolation that gives a Gaussian's coefficients along an axis */
+enum { FAR_NODES = 56 };
 /* Half-width of the cube on which polynomials are expanded over that of the cell, for sources and for targets, whose
    gradients would lose more at the cube's faces. */
 #define FAR_WIDE (1 + 1.0 / 16)
@@ -41,6 +43,9 @@ bool skf_far_kernel(skf_kernel_type type);
 /* For cells of the given side [L]: the kernel to a relative error `accuracy` (gradient: of F / r) between any source
    and target of an interaction list. False when the orders do not suffice. */
 bool skf_far_mixture_make(skf_kernel kernel, double side, double accuracy, far_mixture *out);
+
+/* Coefficients [j][i] of exp(-t (FAR_WIDE (x - y) / 2 - shift)^2) in T_j(x) T_i(y). */
+void skf_far_gaussian(double t, double shift, double c[FAR_NODES][FAR_NODES]);
 
 /* T_0 .. T_(n-1) at x */
 static inline void far_chebyshev(double x, int n, double *T) {

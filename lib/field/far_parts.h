@@ -27,6 +27,15 @@ typedef struct far_ball {
   skf_vec3 center;
 } far_ball;
 
+/* Wide Gaussians: a grid of cells of targets, width 0: none. leaf: 0, or one more than the tensor's number. */
+typedef struct far_grid {
+  int width; /* cells along each axis */
+  double side;
+  skf_vec3 lo;
+  unsigned *leaf;
+  size_t count;
+} far_grid;
+
 /* Points, to which one batch after the other is added */
 typedef struct far_points {
   size_t n, padded;
@@ -61,6 +70,7 @@ struct skf_far {
   far_narrow *narrow; /* of each cell of sources; NULL: there are expansions */
   far_ball *ball;     /* of each piece */
   double s2, limit;   /* s^2; log of the accuracy over the whole's weight */
+  far_grid wide;      /* Gaussians that have polynomials */
 };
 
 /* The tree is there; fills tensors and the whole's moments (layout.size). */
@@ -72,6 +82,10 @@ void skf_far_near(const skf_far *far, far_bunch *b);
 /* What Gaussian cells hold; whether it saves anything to pass over some. */
 skf_status skf_far_narrow(skf_far *far, const skf_prepared *elements, double accuracy);
 bool skf_far_narrow_pays(const skf_far *far);
+/* Polynomials of wide Gaussians, in at most `most` bytes, after skf_far_narrow. UNSUPPORTED: they are not wide. */
+skf_status skf_far_wide(skf_far *far, const skf_prepared *elements, double accuracy, size_t most);
+/* The side of cells of sources that they take, INFINITY where the elements are not wide. */
+double skf_far_wide_side(const skf_prepared *elements, size_t n, double accuracy);
 /* Adds what matters at each point to its sum; at one point, to the Hessian. */
 void skf_far_narrow_add(const skf_far *far, far_points *points);
 void skf_far_narrow_hessian(const skf_far *far, skf_vec3 p, double h[6]);

@@ -184,14 +184,17 @@ static bool gather(far_tree *t, int k, const far_pieces *rest) {
   return true;
 }
 
-static bool grow(far_tree *t, size_t near, size_t most, size_t pieces, far_pieces level[2], far_pieces *rest,
-                 sorted *work, int deepest) {
+static bool grow(far_tree *t, size_t near, size_t most, double fine, size_t pieces, far_pieces level[2],
+                 far_pieces *rest, sorted *work, int deepest) {
   for (int l = 0;; l++) {
     size_t targets = t->target_count - t->target_level[l];
     unsigned char *split = skf_alloc(targets, 1);
     if (!split) return false;
     size_t n = mark(t, l, near, split);
-    bool last = n == 0 || l == deepest || t->target_count + 8 * n > most || level[l % 2].count + rest->count > pieces;
+    bool coarse = far_side(t, l) > fine;
+    bool last = (n == 0 && !coarse) || l == deepest || t->target_count + 8 * n > most ||
+                level[l % 2].count + rest->count > pieces;
+    for (size_t k = t->source_level[l]; k < t->source_count && coarse; k++) t->source[k].split = true;
     if (last) {
       memset(split, 0, targets);
       for (size_t k = t->source_level[l]; k < t->source_count; k++) t->source[k].split = false;
@@ -216,7 +219,8 @@ static bool frame(const skf_prepared *e, size_t n, far_tree *t, int *deepest) {
   return wide > 1e-280 && wide < 1e140 && *deepest > 0;
 }
 
-bool skf_far_tree_build(const skf_prepared *e, size_t n, int around, size_t near, size_t most, far_tree *t) {
+bool skf_far_tree_build(const skf_prepared *e, size_t n, int around, size_t near, size_t most, double fine,
+                        far_tree *t) {
   *t = (far_tree){.around = around};
   far_pieces level[2] = {{NULL, 0, 0}, {NULL, 0, 0}}, rest = {NULL, 0, 0};
   sorted work = {{{NULL, 0, 0}}};
@@ -225,7 +229,7 @@ bool skf_far_tree_build(const skf_prepared *e, size_t n, int around, size_t near
   for (int k = 0; k < 27 && ok; k++) ok = add_target(t, 0, k % 3, k / 3 % 3, k / 9) != NULL;
   for (size_t i = 0; i < n && ok; i++) ok = skf_far_piece_add(level, &(far_piece){e[i].primitive, i});
   if (ok) t->source[0].count = n;
-  ok = ok && grow(t, near, most, 4 * n + 4096, level, &rest, &work, deepest);
+  ok = ok && grow(t, near, most, fine, 4 * n + 4096, level, &rest, &work, deepest);
   for (int i = 0; i < 8; i++) skf_free(work.list[i].at);
   skf_free(level[0].at), skf_free(level[1].at), skf_free(rest.at);
   if (!ok) skf_far_tree_free(t);

@@ -43,9 +43,10 @@ typedef struct far_tree {
 } far_tree;
 
 /* `around`: FAR_NEIGHBOURS or FAR_NEAR; `near`: how many pieces a target may have there; at most `most` cells of
-   targets. False when memory is out or the sources are no cloud: all in one place, or too far from the origin for their
-   extent. */
-bool skf_far_tree_build(const skf_prepared *elements, size_t n, int around, size_t near, size_t most, far_tree *out);
+   targets. Cells of sources are split at least until their side is <= fine. False when memory is out or the sources are
+   no cloud: all in one place, or too far from the origin for their extent. */
+bool skf_far_tree_build(const skf_prepared *elements, size_t n, int around, size_t near, size_t most, double fine,
+                        far_tree *out);
 void skf_far_tree_free(far_tree *tree);
 
 /* The cell of sources there, -1: none. */

@@ -263,6 +263,28 @@ static void test_narrow(void **state) {
     }
 }
 
+/* Gaussians from much wider than the whole to a tenth of it: polynomials in a grid of cells and around it. */
+static void test_wide(void **state) {
+  (void)state;
+  static const double widths[] = {0.05, 0.6, 3, 7};
+  uint64_t seed = 35;
+  for (int l = 0; l < 4; l++)
+    for (int s = 0; s < 4; s++) {
+      static const layout layouts[4] = {CLOUD, LINE, HUGE_ONE, SHELL};
+      char name[64];
+      double scale = l == 1 ? 1e7 : l == 2 ? 1e-7 : 1;
+      fill(&seed, SKF_GAUSSIAN, shapes[s], layouts[(l + s) % 4], scale, v3(0, 0, 0));
+      for (size_t i = 0; i < count; i++) elements[i].kernel.param = widths[l] / scale;
+      scatter(&seed, scale, v3(0, 0, 0));
+      snprintf(name, sizeof name, "gaussian, %s, %g", skf_shape_get(shapes[s])->name, widths[l]);
+      skf_field *f = make(count, 1e-6);
+      assert_false(skf_field_is_direct(f));
+      skf_field_free(f);
+      check_accuracy(name, 1e-6);
+      if (s == l) check_accuracy(name, l < 2 ? 1e-12 : l == 2 ? 1e-9 : 1e-3);
+    }
+}
+
 /* The same bits whatever the number of threads, in any order, alone, and by itself. */
 static void check_place(void) {
   static double F2[POINTS], g2[3][POINTS];
@@ -307,6 +329,8 @@ static void test_place(void **state) {
   }
   narrow(&seed, SKF_SEGMENT, CLOUD, 1);
   check_place();
+  for (size_t i = 0; i < count; i++) elements[i].kernel.param = 2; /* wide */
+  check_place();
 }
 
 /* Small fields, other kernels and fields that did not ask are summed as ever. */
@@ -319,7 +343,7 @@ static void test_switch(void **state) {
   scatter(&seed, 1, v3(0, 0, 0));
   for (int c = 0; c < 3; c++) {
     size_t n = c == 0 ? 3999 : ELEMENTS;
-    for (size_t i = 0; c == 1 && i < n; i++) elements[i].kernel = (skf_kernel){.type = SKF_GAUSSIAN, .param = 3};
+    for (size_t i = 0; c == 1 && i < n; i++) elements[i].kernel = (skf_kernel){.type = SKF_QUARTIC, .param = 3};
     skf_field *plain, *f = make(n, c == 2 ? 0 : 1e-3);
     assert_int_equal(skf_field_new(elements, n, &plain), SKF_OK);
     eval(plain, 0, POINTS, F, slope, false);
@@ -391,6 +415,7 @@ int main(void) {
       cmocka_unit_test(test_place),   cmocka_unit_test(test_switch),  cmocka_unit_test(test_mixed),
       cmocka_unit_test(test_range),   cmocka_unit_test(test_memory),  cmocka_unit_test(test_narrow),
       cmocka_unit_test(test_distant), cmocka_unit_test(test_corners), cmocka_unit_test(test_cancelling),
+      cmocka_unit_test(test_wide),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
