@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* PNG files by libpng, which is loaded sooner than OpenCV. */
+/* PNG files by libpng and libdeflate, which are loaded sooner than OpenCV. */
 #ifndef SKF_ADAPT_PNG_FILE_H
 #define SKF_ADAPT_PNG_FILE_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Stands in where the build has no libpng. */
+/* Stands in where the build has no libpng or no libdeflate. */
 #include "adapt/png_file.h"
 
 bool skf_png_there(void) { return false; }
