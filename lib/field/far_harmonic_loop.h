@@ -187,20 +187,30 @@ typedef struct far_terms {
   double cosine[4], sine[4];
 } far_terms;
 
+/* The sum's and its derivatives' (skf_far_derive), by m, then l. There is one way through for all m, for which sines of
+   m = 0 and what is beside them are picked as 0. */
+static void far_terms_of(int order, const double *tensor, far_terms *all) {
+  static const double none[2 * FAR_DEGREES + 2] = {0};
+  for (int l = 0; l < order; l++) {
+    const double *c = tensor + l * l, *s = c + l; /* of degree l, and of the one above */
+    const double *C = l + 1 < order ? c + 2 * l + 1 : none, *S = C + l + 1;
+    all[far_by_m(order, 0, l)] = (far_terms){{c[0], 0.5 * C[1], 0.5 * S[1], C[0]}, {0, 0, 0, 0}};
+    for (int m = 1; m <= l; m++) {
+      const double by = m == 1 ? 2 : 1, down = m == 1 ? 0 : S[m - 1];
+      far_terms *t = all + far_by_m(order, m, l);
+      t->cosine[0] = c[m], t->sine[0] = s[m];
+      t->cosine[1] = 0.5 * (C[m + 1] - by * C[m - 1]), t->sine[1] = 0.5 * (S[m + 1] - down);
+      t->cosine[2] = 0.5 * (S[m + 1] + down), t->sine[2] = 0.5 * (-C[m + 1] - by * C[m - 1]);
+      t->cosine[3] = C[m], t->sine[3] = S[m];
+    }
+  }
+}
+
 static void far_evaluate(const far_harmonic *h, const double *tensor, size_t n, double per,
                          const double x[3][SKF_BATCH], double out[4][SKF_BATCH]) {
   const int order = h->order;
   far_terms all[FAR_DEGREES * (FAR_DEGREES + 1) / 2];
-  double g[3][FAR_DEGREES * FAR_DEGREES];
-  for (int k = 0; k < 3; k++) skf_far_derive(order, false, k, tensor, g[k]);
-  for (int m = 0; m < order; m++)
-    for (int l = m; l < order; l++) {
-      far_terms *t = all + far_by_m(order, m, l);
-      size_t c = far_cosine(l, m), s = far_sine(l, m);
-      bool inner = l < order - 1;
-      t->cosine[0] = tensor[c], t->sine[0] = m ? tensor[s] : 0;
-      for (int k = 0; k < 3; k++) t->cosine[1 + k] = inner ? g[k][c] : 0, t->sine[1 + k] = inner && m ? g[k][s] : 0;
-    }
+  far_terms_of(order, tensor, all);
   for (size_t i = 0; i < n; i += FAR_PAD) {
     skf_vd X = vd_load(x[0] + i), Y = vd_load(x[1] + i), Z = vd_load(x[2] + i), R = X * X + Y * Y + Z * Z;
     skf_vd A = vd_set(1), B = vd_set(0), sum[4] = {B, B, B, B};

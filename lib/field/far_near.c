@@ -57,24 +57,41 @@ static void add_batch(const skf_batch *sources, const seen *s, far_bunch *b) {
   }
 }
 
+/* The least batch of those that leaves' lists have from at[leaf] on, UINT_MAX: none */
+static unsigned least(const skf_far *f, const far_bunch *b, const size_t *at) {
+  unsigned next = UINT_MAX;
+  for (int i = 0; i < b->leaves; i++) {
+    const far_leaf *l = f->leaf + b->leaf[i];
+    if (at[i] < l->count && f->list[l->first + at[i]] < next) next = f->list[l->first + at[i]];
+  }
+  return next;
+}
+
+/* Asks for a batch that is added next. */
+static inline __attribute__((always_inline)) void expect(const skf_batch *sources) {
+  if (!sources->tiles) return;
+  const skf_tile *last = sources->tile + sources->tiles - 1;
+  const char *end = (const char *)(last + 1), *columns = (const char *)sources->columns;
+  for (const char *a = (const char *)sources->tile; a < end; a += 64) __builtin_prefetch(a, 0, 2);
+  if (!last->column) return;
+  end = (const char *)(last->column + SKF_TILE * sources->ops->form[last->form].columns);
+  for (const char *a = columns; a < end; a += 64) __builtin_prefetch(a, 0, 2);
+}
+
 /* Each leaf's list of batches ascends: they are added in that order to all leaves. */
 void skf_far_near(const skf_far *f, far_bunch *b) {
   size_t at[FAR_LEAVES] = {0};
-  for (;;) {
-    unsigned next = UINT_MAX;
+  for (unsigned next = least(f, b, at), after; next != UINT_MAX; next = after) {
     seen s;
     s.runs = 0, s.n = 0;
-    for (int i = 0; i < b->leaves; i++) {
-      const far_leaf *l = f->leaf + b->leaf[i];
-      if (at[i] < l->count && f->list[l->first + at[i]] < next) next = f->list[l->first + at[i]];
-    }
-    if (next == UINT_MAX) return;
     for (int i = 0; i < b->leaves; i++) {
       const far_leaf *l = f->leaf + b->leaf[i];
       if (at[i] == l->count || f->list[l->first + at[i]] != next) continue;
       at[i]++;
       add_run(&s, b->from[i], b->from[i + 1]);
     }
+    after = least(f, b, at);
+    if (after != UINT_MAX) expect(f->batch + after);
     add_batch(f->batch + next, &s, b);
   }
 }
