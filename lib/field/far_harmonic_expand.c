@@ -23,6 +23,27 @@ static void add(group *g, const double *from, double *to) {
   if (g->n == FAR_GROUP) go(g);
 }
 
+/* The same from two cells each, on both sides of the target */
+typedef struct group_both {
+  const far_job *j;
+  const far_move *move;
+  double by;
+  int n;
+  const double *from[2][FAR_GROUP];
+  double *to[FAR_GROUP];
+} group_both;
+
+static void go_both(group_both *g) {
+  const double *const(*from)[FAR_GROUP] = (const double *const(*)[FAR_GROUP])g->from;
+  if (g->n) g->j->far->ops->transfer_both(g->move, g->by, g->n, from, g->to, far_room(g->j));
+  g->n = 0;
+}
+
+static void add_both(group_both *g, const double *from, const double *opposite, double *to) {
+  g->from[0][g->n] = from, g->from[1][g->n] = opposite, g->to[g->n++] = to;
+  if (g->n == FAR_GROUP) go_both(g);
+}
+
 static void scale(const far_harmonic *h, double *t) {
   for (size_t k = 0; k < h->size; k++) t[k] *= h->norm[k];
 }
@@ -83,26 +104,48 @@ static const double *source_at(const far_job *j, int level, const int origin[3],
   return k < 0 ? NULL : far_moments_of(j, (size_t)k);
 }
 
-static void from_shift(const far_job *j, int level, const far_block *b, const int shift[3], group *g) {
-  for (int i = 0; i < BLOCK * BLOCK * BLOCK; i++) {
-    const int t[3] = {i % BLOCK, i / BLOCK % BLOCK, i / BLOCK / BLOCK}, target = b->target[t[0]][t[1]][t[2]];
-    if (target < 0 || !concerns(shift, t)) continue;
-    const int at[3] = {t[0] + shift[0], t[1] + shift[1], t[2] + shift[2]};
-    bool inside = true;
-    for (int k = 0; k < 3; k++) inside = inside && at[k] >= -2 && at[k] < AROUND - 2;
-    const double *source = inside ? b->source[at[2] + 2][at[1] + 2][at[0] + 2] : source_at(j, level, b->origin, at);
-    if (source) add(g, source, far_tensor_of(j, (size_t)target));
-  }
-  go(g);
+/* The moments at a shift from the block's target that are its business; NULL: none. */
+static const double *moments_at(const far_job *j, int level, const far_block *b, const int t[3], const int shift[3]) {
+  if (!concerns(shift, t)) return NULL;
+  const int at[3] = {t[0] + shift[0], t[1] + shift[1], t[2] + shift[2]};
+  bool inside = true;
+  for (int k = 0; k < 3; k++) inside = inside && at[k] >= -2 && at[k] < AROUND - 2;
+  return inside ? b->source[at[2] + 2][at[1] + 2][at[0] + 2] : source_at(j, level, b->origin, at);
 }
 
+static const far_move *move_from(const far_harmonic *h, const int shift[3]) {
+  return &h->over[FAR_LONG - shift[0]][FAR_LONG - shift[1]][FAR_LONG - shift[2]];
+}
+
+/* From a shift and the opposite one */
+static void from_shifts(const far_job *j, int level, const far_block *b, const int shift[3]) {
+  const far_harmonic *h = j->far->harmonic;
+  const int opposite[3] = {-shift[0], -shift[1], -shift[2]};
+  const double by = 1 / far_side(&j->far->tree, level);
+  group one = {.j = j, .move = move_from(h, shift), .kind = FAR_OVER, .by = by};
+  group other = {.j = j, .move = move_from(h, opposite), .kind = FAR_OVER, .by = by};
+  group_both both = {.j = j, .move = one.move, .by = by};
+  for (int i = 0; i < BLOCK * BLOCK * BLOCK; i++) {
+    const int t[3] = {i % BLOCK, i / BLOCK % BLOCK, i / BLOCK / BLOCK}, target = b->target[t[0]][t[1]][t[2]];
+    if (target < 0) continue;
+    const double *from[2] = {moments_at(j, level, b, t, shift), moments_at(j, level, b, t, opposite)};
+    double *to = far_tensor_of(j, (size_t)target);
+    if (from[0] && from[1])
+      add_both(&both, from[0], from[1], to);
+    else if (from[0])
+      add(&one, from[0], to);
+    else if (from[1])
+      add(&other, from[1], to);
+  }
+  go_both(&both), go(&one), go(&other);
+}
+
+/* Each shift with the opposite one, so the first half of them all */
 static void across(const far_job *j, int level, const far_block *b) {
-  for (int i = 0; i < FAR_WAYS * FAR_WAYS * FAR_WAYS; i++) {
+  for (int i = 0; i < FAR_WAYS * FAR_WAYS * FAR_WAYS / 2; i++) {
     const int shift[3] = {i % FAR_WAYS - FAR_LONG, i / FAR_WAYS % FAR_WAYS - FAR_LONG,
                           i / FAR_WAYS / FAR_WAYS - FAR_LONG};
-    const far_move *move = &j->far->harmonic->over[FAR_LONG - shift[0]][FAR_LONG - shift[1]][FAR_LONG - shift[2]];
-    group g = {.j = j, .move = move, .kind = FAR_OVER, .by = 1 / far_side(&j->far->tree, level)};
-    if (move->order) from_shift(j, level, b, shift, &g);
+    if (move_from(j->far->harmonic, shift)->order) from_shifts(j, level, b, shift);
   }
 }
 

@@ -14,11 +14,11 @@ typedef struct far_lanes {
   skf_vd v[FAR_WIDTH];
 } far_lanes;
 
-/* A small matrix: d[i * row + j * column] from entry in_at[j] to entry out_at[i] */
+/* Rows of a small matrix: d[i * row + j * column] from the n entries from[j] to the entries to[i] */
 typedef struct far_small {
   const double *d;
-  int n, row, column;
-  const unsigned short *at;
+  int rows, n, row, column;
+  const unsigned short *from, *to;
 } far_small;
 
 SKF_INLINE void far_some_rows(int rows, const far_small *s, int i, const far_lanes *in, far_lanes *out) {
@@ -30,7 +30,7 @@ SKF_INLINE void far_some_rows(int rows, const far_small *s, int i, const far_lan
 #pragma GCC unroll 4
     for (int w = 0; w < FAR_WIDTH; w++) sum[k][w] = vd_set(0);
   for (int j = 0; j < n; j++, d += column) {
-    const far_lanes *x = in + s->at[j];
+    const far_lanes *x = in + s->from[j];
 #pragma GCC unroll 4
     for (int k = 0; k < rows; k++) {
       skf_vd m = vd_set(d[k * row]);
@@ -41,15 +41,15 @@ SKF_INLINE void far_some_rows(int rows, const far_small *s, int i, const far_lan
 #pragma GCC unroll 4
   for (int k = 0; k < rows; k++)
 #pragma GCC unroll 4
-    for (int w = 0; w < FAR_WIDTH; w++) out[s->at[i + k]].v[w] = sum[k][w];
+    for (int w = 0; w < FAR_WIDTH; w++) out[s->to[i + k]].v[w] = sum[k][w];
 }
 
 SKF_INLINE void far_multiply(const far_small *s, const far_lanes *in, far_lanes *out) {
   int i = 0;
-  for (; i + 4 <= s->n; i += 4) far_some_rows(4, s, i, in, out);
-  if (s->n - i == 3) far_some_rows(3, s, i, in, out);
-  if (s->n - i == 2) far_some_rows(2, s, i, in, out);
-  if (s->n - i == 1) far_some_rows(1, s, i, in, out);
+  for (; i + 4 <= s->rows; i += 4) far_some_rows(4, s, i, in, out);
+  if (s->rows - i == 3) far_some_rows(3, s, i, in, out);
+  if (s->rows - i == 2) far_some_rows(2, s, i, in, out);
+  if (s->rows - i == 1) far_some_rows(1, s, i, in, out);
 }
 
 /* About y, degree by degree */
@@ -62,8 +62,8 @@ static void far_turn(const far_move *m, bool back, const far_lanes *in, far_lane
   for (int l = 0; l < m->order; l++) {
     const far_lanes *from = in + l * l;
     far_lanes *to = out + l * l;
-    far_small c = {d, l + 1, back ? 1 : l + 1, back ? l + 1 : 1, ascending};
-    far_small s = {d + (l + 1) * (l + 1), l, back ? 1 : l, back ? l : 1, ascending};
+    far_small c = {d, l + 1, l + 1, back ? 1 : l + 1, back ? l + 1 : 1, ascending, ascending};
+    far_small s = {d + (l + 1) * (l + 1), l, l, back ? 1 : l, back ? l : 1, ascending, ascending};
     far_multiply(&c, from, to);
     far_multiply(&s, from + l + 1, to + l + 1);
     d = s.d + l * l;
@@ -94,7 +94,25 @@ static void far_along_z(const far_move *f, bool down, const far_lanes *in, far_l
     const int n = f->order - m;
     for (int sine = 0; sine <= (m > 0); sine++) {
       for (int l = 0; l < n; l++) at[l] = (unsigned short)(sine ? far_sine(l + m, m) : far_cosine(l + m, m));
-      far_multiply(&(far_small){d, n, down ? 1 : n, down ? n : 1, at}, in, out);
+      far_multiply(&(far_small){d, n, n, down ? 1 : n, down ? n : 1, at, at}, in, out);
+    }
+    d += n * n;
+  }
+}
+
+/* Even degrees from `even`, odd ones from `odd` */
+static void far_along_both(const far_move *f, const far_lanes *even, const far_lanes *odd, far_lanes *out) {
+  const double *d = f->along;
+  unsigned short at[FAR_DEGREES], to[2][FAR_DEGREES];
+  for (int m = 0; m < f->order; m++) {
+    const int n = f->order - m;
+    for (int sine = 0; sine <= (m > 0); sine++) {
+      for (int l = 0; l < n; l++) {
+        at[l] = (unsigned short)(sine ? far_sine(l + m, m) : far_cosine(l + m, m));
+        to[l % 2][l / 2] = at[l];
+      }
+      far_multiply(&(far_small){d, (n + 1) / 2, n, 2 * n, 1, at, to[0]}, m % 2 ? odd : even, out);
+      far_multiply(&(far_small){d + n, n / 2, n, 2 * n, 1, at, to[1]}, m % 2 ? even : odd, out);
     }
     d += n * n;
   }
@@ -138,6 +156,37 @@ static void far_hand_out(size_t size, int n, const far_lanes *a, double *const t
     for (; k < size; k++)
       for (int i = 0; i < lanes; i++) to[first + i][k] += a[k].v[w][i];
   }
+}
+
+/* a and b become a + b and a - b, where b's odd degrees change their signs. */
+static void far_mirror(int order, far_lanes *a, far_lanes *b) {
+  size_t k = 0;
+  for (int l = 0; l < order; l++)
+    for (; k < (size_t)((l + 1) * (l + 1)); k++)
+      for (int w = 0; w < FAR_WIDTH; w++) {
+        skf_vd u = a[k].v[w], v = l % 2 ? -b[k].v[w] : b[k].v[w];
+        a[k].v[w] = u + v, b[k].v[w] = u - v;
+      }
+}
+
+/* FAR_OVER from cells on both sides of targets, as far away. Seen from there z is reversed, so odd degrees are, in and
+   out: what comes out in even degrees is due to the sum of the one's moments and the other's reversed, in odd degrees
+   to the difference. So both take one matrix along z and one turn back. */
+static void far_transfer_both(const far_move *m, double by, int n, const double *const from[2][FAR_GROUP],
+                              double *const to[FAR_GROUP], double *room) {
+  size_t size = (size_t)(m->order * m->order);
+  far_lanes *a = (far_lanes *)(void *)room, *b = a + size, *c = b + size;
+  far_fetch(size, by, n, from[0], a);
+  far_fetch(size, by, n, from[1], b);
+  far_mirror(m->order, a, b);
+  far_azimuth(m, false, a);
+  far_azimuth(m, false, b);
+  far_turn(m, false, a, c);
+  far_turn(m, false, b, a);
+  far_along_both(m, c, a, b);
+  far_turn(m, true, b, a);
+  far_azimuth(m, true, a);
+  far_hand_out(size, n, a, to);
 }
 
 static void far_transfer(const far_move *m, far_kind kind, double by, int n, const double *const from[FAR_GROUP],

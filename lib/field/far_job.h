@@ -10,7 +10,7 @@
 
 /* Targets are worked on in blocks of BLOCK^3, which share what their sources do along x and y. FAR_ROOM: tensors that a
    thread may work in. */
-enum { BLOCK = 4, AROUND = BLOCK + 4, FAR_ROOM = 2 * AROUND + 2 };
+enum { BLOCK = 4, AROUND = BLOCK + 4, FAR_ROOM = 3 * AROUND + 2 };
 
 /* A block's targets and the moments around them; -1, NULL: none. */
 typedef struct far_block {

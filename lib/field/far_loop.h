@@ -217,7 +217,7 @@ static void far_local(const far_layout *l, const double *tensor, size_t n, doubl
     {{far_along0FAR_ONE, far_along0FAR_TWO, far_along0FAR_SAME},                                                       \
      {far_along1FAR_ONE, far_along1FAR_TWO, far_along1FAR_SAME},                                                       \
      {far_along2, NULL, NULL}},                                                                                        \
-        far_points, far_local, far_transfer, far_gather, far_evaluate                                                  \
+        far_points, far_local, far_transfer, far_transfer_both, far_gather, far_evaluate                               \
   }
 
 #endif

@@ -45,6 +45,10 @@ typedef struct far_ops {
      `to`; room: 16 times as much as a tensor. */
   void (*transfer)(const far_move *m, far_kind kind, double by, int n, const double *const from[FAR_GROUP],
                    double *const to[FAR_GROUP], double *room);
+  /* FAR_OVER from `from[0]`, and from `from[1]` that are as far on the opposite side of the targets; room: 24 times as
+     much as a tensor. */
+  void (*transfer_both)(const far_move *m, double by, int n, const double *const from[2][FAR_GROUP],
+                        double *const to[FAR_GROUP], double *room);
   /* out += R at points, x[3]: their weights */
   void (*gather)(const far_harmonic *h, const double x[4][FAR_GATHER], double *out);
   void (*evaluate)(const far_harmonic *h, const double *tensor, size_t n, double per, const double x[3][SKF_BATCH],

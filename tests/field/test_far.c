@@ -129,6 +129,50 @@ static void compare_harmonics(uint64_t *seed, const far_harmonic *h, const doubl
   }
 }
 
+/* Sources on both sides of targets at once, against each side by itself; one lane is left over. */
+static void test_both_sides(void **state) {
+  (void)state;
+  uint64_t seed = 71;
+  far_harmonic *h = skf_far_harmonic_new(1e-8);
+  assert_non_null(h);
+  const size_t size = h->size;
+  const int n = FAR_GROUP - 1;
+  double *all = aligned_alloc(64, (24 + 4 * FAR_GROUP) * size * sizeof *all + 64), *next = all + 24 * size;
+  double *to[2][FAR_GROUP];
+  const double *from[2][FAR_GROUP];
+  assert_non_null(all);
+  for (int i = 0; i < n; i++)
+    for (int way = 0; way < 2; way++, next += 2 * size) {
+      double x[4][FAR_GATHER] = {{0}};
+      for (int k = 0; k < 4; k++)
+        for (int g = 0; g < FAR_GATHER; g++) x[k][g] = rnd(&seed, -0.5, 0.5);
+      memset(next, 0, 2 * size * sizeof *next);
+      skf_far_scalar.gather(h, (const double(*)[FAR_GATHER])x, next);
+      for (size_t k = 0; k < size; k++) next[k] *= h->norm[k];
+      from[way][i] = next, to[way][i] = next + size;
+    }
+  for (int i = 0; i < FAR_WAYS * FAR_WAYS * FAR_WAYS; i++) {
+    const int s[3] = {i % FAR_WAYS - FAR_LONG, i / FAR_WAYS % FAR_WAYS - FAR_LONG, i / FAR_WAYS / FAR_WAYS - FAR_LONG};
+    const int opposite[3] = {-s[0], -s[1], -s[2]};
+    if (!has_way(h, s)) continue;
+    assert_true(has_way(h, opposite));
+    const far_move *move[2] = {&h->over[s[0] + FAR_LONG][s[1] + FAR_LONG][s[2] + FAR_LONG],
+                               &h->over[FAR_LONG - s[0]][FAR_LONG - s[1]][FAR_LONG - s[2]]};
+    for (int k = 0; k < n; k++)
+      for (int way = 0; way < 2; way++) memset(to[way][k], 0, size * sizeof(double));
+    skf_far_scalar.transfer_both(move[0], 0.5, n, (const double *const(*)[FAR_GROUP])from, to[0], all);
+    for (int way = 0; way < 2; way++) skf_far_scalar.transfer(move[way], FAR_OVER, 0.5, n, from[way], to[1], all);
+    for (int k = 0; k < n; k++) {
+      double off = 0, most = 0;
+      for (size_t c = 0; c < size; c++) {
+        off = fmax(off, fabs(to[0][k][c] - to[1][k][c])), most = fmax(most, fabs(to[1][k][c]));
+      }
+      if (!(off <= 1e-14 * most && most > 0)) fail_msg("%d %d %d: off by %g of %g", s[0], s[1], s[2], off, most);
+    }
+  }
+  free(all), skf_far_harmonic_free(h);
+}
+
 /* All ways there are, each turned or mirrored in one of several manners. */
 static void check_harmonics(double accuracy) {
   uint64_t seed = 32;
@@ -167,6 +211,7 @@ static void test_harmonics(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_cells), cmocka_unit_test(test_harmonics)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_cells), cmocka_unit_test(test_both_sides),
+                                     cmocka_unit_test(test_harmonics)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
