@@ -127,9 +127,11 @@ static bool split_source(far_tree *t, int k, const far_pieces *from, far_pieces 
   return true;
 }
 
-/* Marks the targets of the level that have too many pieces around them, and those pieces' cells; how many targets. */
-static size_t mark(far_tree *t, int level, size_t near, unsigned char *split) {
+/* Marks the targets of the level that have too many pieces around them, and those pieces' cells; how many targets, and
+   how many pieces they have. */
+static size_t mark(far_tree *t, int level, size_t near, unsigned char *split, double *pieces) {
   size_t first = t->target_level[level], n = 0;
+  *pieces = 0;
   for (size_t i = first; i < t->target_count; i++) {
     const int *at = t->target[i].at;
     int around[FAR_NEAR], found = 0;
@@ -140,7 +142,7 @@ static size_t mark(far_tree *t, int level, size_t near, unsigned char *split) {
       if (s >= 0) count += t->source[s].count, around[found++] = s;
     }
     if ((split[i - first] = count > near) == 0) continue;
-    n++;
+    n++, *pieces += (double)count;
     for (int k = 0; k < found; k++) t->source[around[k]].split = true;
   }
   return n;
@@ -184,17 +186,27 @@ static bool gather(far_tree *t, int k, const far_pieces *rest) {
   return true;
 }
 
+/* How many times smaller cells would be that have as many pieces as they may where there are so many in n of them,
+   below twice; as far as `room` more of them allow. */
+static double smaller(double pieces, size_t n, size_t near, size_t room) {
+  double wish = pow(pieces / (double)n / (double)near, 0.4), can = cbrt((double)room / (1.3 * (double)n));
+  return fmin(1.9, fmin(wish, can));
+}
+
+/* ratio: 0, or where there were too many targets how many times smaller the cells of the last level had better be. */
 static bool grow(far_tree *t, size_t near, size_t most, double fine, size_t pieces, far_pieces level[2],
-                 far_pieces *rest, sorted *work, int deepest) {
+                 far_pieces *rest, sorted *work, int deepest, double *ratio) {
+  *ratio = 0;
   for (int l = 0;; l++) {
     size_t targets = t->target_count - t->target_level[l];
     unsigned char *split = skf_alloc(targets, 1);
     if (!split) return false;
-    size_t n = mark(t, l, near, split);
-    bool coarse = far_side(t, l) > fine;
-    bool last = (n == 0 && !coarse) || l == deepest || t->target_count + 8 * n > most ||
-                level[l % 2].count + rest->count > pieces;
+    double counted;
+    size_t n = mark(t, l, near, split, &counted);
+    bool coarse = far_side(t, l) > fine, full = t->target_count + 8 * n > most;
+    bool last = (n == 0 && !coarse) || l == deepest || full || level[l % 2].count + rest->count > pieces;
     for (size_t k = t->source_level[l]; k < t->source_count && coarse; k++) t->source[k].split = true;
+    if (full && n && l < deepest && most > t->target_count) *ratio = smaller(counted, n, near, most - t->target_count);
     if (last) {
       memset(split, 0, targets);
       for (size_t k = t->source_level[l]; k < t->source_count; k++) t->source[k].split = false;
@@ -207,33 +219,48 @@ static bool grow(far_tree *t, size_t near, size_t most, double fine, size_t piec
   }
 }
 
-static bool frame(const skf_prepared *e, size_t n, far_tree *t, int *deepest) {
+static bool frame(const skf_prepared *e, size_t n, double times, far_tree *t, int *deepest) {
   skf_box b = box_empty();
   for (size_t i = 0; i < n; i++) b = box_join(b, skf_primitive_bounds(&e[i].primitive));
   skf_vec3 d = v3_sub(b.hi, b.lo), c = box_center(b);
   double wide = fmax(d.x, fmax(d.y, d.z)), away = fmax(fabs(c.x), fmax(fabs(c.y), fabs(c.z))) + wide;
-  t->side = wide * (1 + 1e-9);
+  t->side = times * wide * (1 + 1e-9);
   t->lo = v3(c.x - 0.5 * t->side, c.y - 0.5 * t->side, c.z - 0.5 * t->side);
   *deepest = 0;
   while (*deepest < FAR_DEPTH && ldexp(t->side, -*deepest - 1) > 4096 * DBL_EPSILON * away) (*deepest)++;
   return wide > 1e-280 && wide < 1e140 && *deepest > 0;
 }
 
-bool skf_far_tree_build(const skf_prepared *e, size_t n, int around, size_t near, size_t most, double fine,
-                        far_tree *t) {
+/* In a cube `wide` times as wide as it must be */
+static bool build(const skf_prepared *e, size_t n, int around, size_t near, size_t most, double fine, double wide,
+                  far_tree *t, double *ratio) {
   *t = (far_tree){.around = around};
   far_pieces level[2] = {{NULL, 0, 0}, {NULL, 0, 0}}, rest = {NULL, 0, 0};
   sorted work = {{{NULL, 0, 0}}};
   int deepest;
-  bool ok = frame(e, n, t, &deepest) && add_source(t, 0, 1, 1, 1) == 0;
+  bool ok = frame(e, n, wide, t, &deepest) && add_source(t, 0, 1, 1, 1) == 0;
   for (int k = 0; k < 27 && ok; k++) ok = add_target(t, 0, k % 3, k / 3 % 3, k / 9) != NULL;
   for (size_t i = 0; i < n && ok; i++) ok = skf_far_piece_add(level, &(far_piece){e[i].primitive, i});
   if (ok) t->source[0].count = n;
-  ok = ok && grow(t, near, most, fine, 4 * n + 4096, level, &rest, &work, deepest);
+  ok = ok && grow(t, near, most, fine, 4 * n + 4096, level, &rest, &work, deepest, ratio);
   for (int i = 0; i < 8; i++) skf_free(work.list[i].at);
   skf_free(level[0].at), skf_free(level[1].at), skf_free(rest.at);
   if (!ok) skf_far_tree_free(t);
   return ok;
+}
+
+/* Cells are halved. Where that would be too many targets, they are made somewhat smaller with another cube instead. */
+bool skf_far_tree_build(const skf_prepared *e, size_t n, int around, size_t near, size_t most, double fine,
+                        far_tree *t) {
+  far_tree other;
+  double ratio, again;
+  if (!build(e, n, around, near, most, fine, 1, t, &ratio)) return false;
+  if (ratio < 1.05 || isfinite(fine)) return true;
+  if (!build(e, n, around, near, most, fine, 2 / ratio, &other, &again)) return true;
+  bool better = other.target_count > t->target_count;
+  skf_far_tree_free(better ? t : &other);
+  if (better) *t = other;
+  return true;
 }
 
 void skf_far_tree_free(far_tree *t) {
