@@ -290,6 +290,12 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     }                                                                                                                  \
   }
 
+/* The compiler does not see that this is i, and keeps one index for all rows instead of an address for each. */
+SKF_INLINE size_t index_hide(size_t i) {
+  __asm__("" : "+r"(i));
+  return i;
+}
+
 SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? vd_load(to) + v : v); }
 
 /* Four vectors at once */
@@ -312,12 +318,10 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
         vv_put(&v, out, i);                                                                                            \
     }                                                                                                                  \
   }                                                                                                                    \
-  SKF_INLINE void name##_some(const skf_tile *tile, size_t j, const name##_row *row, int mode, size_t n,               \
-                              const double *const p[3], size_t i, double *const out[4], bool more) {                   \
-    skf_v3d x[4];                                                                                                      \
-    skf_vd w[4], F[4], slope[4];                                                                                       \
-    SKF_EACH(u, n) x[u] = points_load(p, i + u * SKF_LANES);                                                           \
-    way##_measure(row, mode, n, x, w);                                                                                 \
+  /* of n vectors whose measures are w */                                                                              \
+  SKF_INLINE void name##_some(const skf_tile *tile, size_t j, const name##_row *row, size_t n,                         \
+                              const double *const p[3], size_t i, const skf_vd *w, double *const out[4], bool more) {  \
+    skf_vd F[4], slope[4];                                                                                             \
     if (__builtin_expect(!vi_all(name##_of(row, n, w, F, slope)), 0)) {                                                \
       name##_apart(tile, j, n, p, i, out, more);                                                                       \
       return;                                                                                                          \
@@ -330,20 +334,45 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
     SKF_EACH(u, n)                                                                                                     \
     vd_keep(slope[u] * way##_along(row, z, p[2] + i + u * SKF_LANES), out[3] + i + u * SKF_LANES, more);               \
   }                                                                                                                    \
+  SKF_INLINE void name##_gauge(const name##_row *row, int mode, size_t n, const double *const p[3], size_t i,          \
+                               skf_vd *w) {                                                                            \
+    skf_v3d x[4];                                                                                                      \
+    SKF_EACH(u, n) x[u] = points_load(p, i + u * SKF_LANES);                                                           \
+    way##_measure(row, mode, n, x, w);                                                                                 \
+  }                                                                                                                    \
+  /* fours of vectors; the next are measured while these wait for their own results; returns the end */                \
+  SKF_INLINE size_t name##_fours(const skf_tile *tile, size_t j, const name##_row *row, int mode, size_t n,            \
+                                 const double *const p[3], double *const out[4], bool more) {                          \
+    const size_t step = 4 * SKF_LANES;                                                                                 \
+    size_t i = 0;                                                                                                      \
+    skf_vd w[4], ahead[4];                                                                                             \
+    if (n < step) return 0;                                                                                            \
+    name##_gauge(row, mode, 4, p, 0, w);                                                                               \
+    for (; i + step <= n; i += step) {                                                                                 \
+      name##_gauge(row, mode, 4, p, index_hide(i + 2 * step <= n ? i + step : i), ahead);                              \
+      i = index_hide(i);                                                                                               \
+      name##_some(tile, j, row, 4, p, i, w, out, more);                                                                \
+      SKF_EACH(u, 4) w[u] = ahead[u];                                                                                  \
+    }                                                                                                                  \
+    return i;                                                                                                          \
+  }                                                                                                                    \
   /* element j at all points; out is set, or added to */                                                               \
   SKF_INLINE void name##_all(const skf_tile *tile, size_t j, size_t n, const double *const p[3], double *const out[4], \
                              bool more) {                                                                              \
     double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
     const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
-    size_t i = 0;                                                                                                      \
+    size_t i;                                                                                                          \
     name##_row row;                                                                                                    \
     row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
-    const int mode = way##_mode(&row);                                                                                 \
-    if (mode == SKF_PLAIN)                                                                                             \
-      for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, &row, SKF_PLAIN, 4, in, i, to, more);    \
+    if (way##_mode(&row) == SKF_PLAIN)                                                                                 \
+      i = name##_fours(tile, j, &row, SKF_PLAIN, n, in, to, more);                                                     \
     else                                                                                                               \
-      for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, &row, SKF_MIXED, 4, in, i, to, more);    \
-    for (; i < n; i += SKF_LANES) name##_some(tile, j, &row, SKF_MIXED, 1, in, i, to, more);                           \
+      i = name##_fours(tile, j, &row, SKF_MIXED, n, in, to, more);                                                     \
+    for (; i < n; i += SKF_LANES) {                                                                                    \
+      skf_vd w;                                                                                                        \
+      name##_gauge(&row, SKF_MIXED, 1, in, i, &w);                                                                     \
+      name##_some(tile, j, &row, 1, in, i, &w, to, more);                                                              \
+    }                                                                                                                  \
   }                                                                                                                    \
   SKF_BATCH_WHOLE(name)
 

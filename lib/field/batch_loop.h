@@ -123,15 +123,17 @@ SKF_INLINE skf_vd vd_total(size_t n, const skf_vd *w) {
   return all;
 }
 
-/* Gaussians h of squared distances w of which some are from `most` on, where vd_exp2_products is not accurate, but 0
-   from `zero` on: the lanes that are good in all */
-SKF_INLINE skf_vi vd_gaussian_far(skf_vd most, skf_vd zero, size_t n, const skf_vd *w, skf_vd *h) {
-  skf_vi good = vi_set(-1);
-  SKF_EACH(u, n) {
-    const skf_vi inside = w[u] < most;
-    h[u] = (skf_vd)((skf_vi)h[u] & inside);
-    good &= inside | ((w[u] > zero) & (w[u] < vd_set(INFINITY)));
-  }
+/* Gaussians h = 2^(c x), c x <= 0. The lanes that are good in all; of several vectors none where they are not all near:
+   by itself each is told. */
+SKF_INLINE skf_vi vd_gaussians(const size_t n, const skf_vd *c, const skf_vd *x, skf_vd *h) {
+  const skf_vd near = vd_set(SKF_PICK(-1009, -123)), gone = vd_set(SKF_PICK(-1155, -160));
+  if (n > 1) return vd_exp2_products(n, c, x, h) > near;
+  const skf_vd y = c[0] * x[0];
+  const skf_vi inside = y > near, good = inside | ((y < gone) & (y > vd_set(-INFINITY)));
+  h[0] = vd_set(0);
+  if (!vi_any(inside)) return good;
+  vd_exp2_products(n, c, x, h);
+  h[0] = (skf_vd)((skf_vi)h[0] & inside);
   return good;
 }
 

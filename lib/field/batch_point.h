@@ -49,23 +49,22 @@ SKF_INLINE skf_vi cauchy_point_of(const point_row *c, size_t n, const skf_vd *w,
   return good;
 }
 
-/* exp(-a^2 w) = 2^(exponent w); from `most` on it is not accurate, from `zero` on 0. */
+/* exp(-a^2 w) = 2^(exponent w) */
 typedef struct gaussian_row {
   skf_v3d at;
-  skf_vd exponent, most, zero, strength, slope;
+  skf_vd exponent, strength, slope;
 } gaussian_row;
 
 static double *gaussian_pack(const skf_prepared *e, double *k) {
   double aa = e->kernel.param * e->kernel.param;
   k = pack_exponent(pack3(k, e->primitive.point.at), e->kernel.param);
-  k = pack1(pack1(k, VD_EXP_MAX / aa), VD_EXP_ZERO / aa);
   return pack1(pack1(k, e->strength), 2 * aa * e->strength);
 }
 
 SKF_INLINE skf_vi gaussian_point_of(const gaussian_row *c, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope) {
-  skf_vi good = vd_total(n, w) < c->most;
-  vd_exp2_products(c->exponent, n, w, slope);
-  if (__builtin_expect(!vi_all(good), 0)) good = vd_gaussian_far(c->most, c->zero, n, w, slope);
+  skf_vd exponent[4];
+  SKF_EACH(u, n) exponent[u] = c->exponent;
+  const skf_vi good = vd_gaussians(n, exponent, w, slope);
   SKF_EACH(u, n) F[u] = c->strength * slope[u];
   SKF_EACH(u, n) slope[u] = c->slope * slope[u];
   return good;
