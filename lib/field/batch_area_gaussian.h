@@ -42,7 +42,7 @@ SKF_INLINE gaussian_cut gaussian_edge_cut(const area_row *c, skf_vd l1, skf_vd l
 /* int (1 - exp(-a^2 rho^2)) / rho^2 dl, or int exp(-a^2 r^2) / rho^2 dl beside */
 SKF_INLINE skf_vd gaussian_edge(const area_row *c, const area_view *f, int i, skf_vi some, skf_vi beside,
                                 const gaussian_cut *e) {
-  enum { N = 16 };
+  enum { N = SKF_COUNT(16, 8) };
   const skf_gauss_node *node = skf_gauss_rule(N);
   skf_vd zero = vd_set(0), half = vd_set(0.5), count = (skf_vd)((skf_vi)e->count & some), sum = zero;
   skf_vd h = (e->b2 - e->b1) / vd_max(count, vd_set(1)), dd = f->d[i] * f->d[i], extra = vd_select(beside, f->zz, zero);
@@ -105,7 +105,7 @@ SKF_OUTLINE skf_vvalue gaussian_triangle(const area_row *c, skf_v3d x) {
   skf_vi gone = (y > vd_set(VD_EXP_ZERO)) & (y < vd_set(INFINITY));
   skf_vi even = (gaussian_change2(c, &f) < vd_set(0.5)) & (y < vd_set(GAUSSIAN_SEEN)), edges = ~(gone | even);
   skf_vvalue v = {zero, {zero, zero, zero}, gone};
-  if (vi_any(even)) v = area_either(even, area_rule(AREA_GAUSSIAN, c, &f, 9, even), v);
+  if (vi_any(even)) v = area_either(even, area_rule(AREA_GAUSSIAN, c, &f, SKF_COUNT(9, 5), even), v);
   return vi_any(edges) ? area_either(edges, gaussian_edges(c, &f, edges), v) : v;
 }
 
@@ -114,7 +114,7 @@ SKF_OUTLINE skf_vvalue gaussian_triangle_small(const area_row *c, skf_v3d x) {
   area_view f = area_see(c, x);
   skf_vi even = (gaussian_change2(c, &f) < vd_set(9)) & (c->param2 * c->diam * c->diam < vd_set(2.25));
   even &= c->param2 * f.dist2 < vd_set(GAUSSIAN_SEEN);
-  return vi_any(even) ? area_rule(AREA_GAUSSIAN, c, &f, 15, even) : (skf_vvalue){.good = vi_set(0)};
+  return vi_any(even) ? area_rule(AREA_GAUSSIAN, c, &f, SKF_COUNT(15, 8), even) : (skf_vvalue){.good = vi_set(0)};
 }
 
 SKF_BATCH_FORM(gaussian_triangle, area, gaussian_triangle_small)

@@ -126,7 +126,7 @@ SKF_INLINE skf_vvalue metaball_cones(const area_row *c, skf_v3d x, bool panels) 
   skf_vvalue outer = cone_value(c, &f, 1, panels), inner = cone_value(c, &f, 1. / 3, panels);
   /* all in the support and far */
   skf_vi far = ~outer.good & (reach2 < vd_set(0.99) * R2) & (f.dist2 > vd_set(2.25) * (c->diam * c->diam)) & cones;
-  if (panels && vi_any(far)) outer = area_either(far, area_rule(AREA_CONE, c, &f, 13, far), outer);
+  if (panels && vi_any(far)) outer = area_either(far, area_rule(AREA_CONE, c, &f, MIDDLE_NODES, far), outer);
   return area_either(cones, cone_combine(outer, inner), v);
 }
 

@@ -63,7 +63,8 @@ SKF_OUTLINE skf_vvalue cauchy_middle(const area_row *c, skf_v3d x) {
   skf_vi middle = cauchy_reach2(c, &f) > vd_set(2.25) * c->diam * c->diam;
   skf_vi beyond = ~middle & (c->param2 * f.lat2 > vd_set(16) * vd_fma(c->param2, f.zz, vd_set(1)));
   skf_vvalue v = {.good = vi_set(0)};
-  if (vi_any(middle)) v = area_rule(AREA_CAUCHY, c, &f, 13, f.dist2 * c->param2 < vd_set(SKF_PICK(1e70, 1e9)));
+  if (vi_any(middle))
+    v = area_rule(AREA_CAUCHY, c, &f, MIDDLE_NODES, f.dist2 * c->param2 < vd_set(SKF_PICK(1e70, 1e9)));
   v.good &= middle;
   return vi_any(beyond) ? area_either(beyond, cauchy_beyond(c, &f, beyond), v) : v;
 }
@@ -109,7 +110,7 @@ SKF_OUTLINE skf_vvalue inverse_squared_triangle_middle(const area_row *c, skf_v3
   area_view f = area_see(c, x);
   skf_vi middle = f.dist2 > vd_set(2.25) * c->diam * c->diam;
   if (!vi_any(middle)) return (skf_vvalue){.good = vi_set(0)};
-  return area_rule(AREA_SQUARED, c, &f, 13, middle & vd_sane(f.dist2));
+  return area_rule(AREA_SQUARED, c, &f, MIDDLE_NODES, middle & vd_sane(f.dist2));
 }
 
 SKF_BATCH_FORM(inverse_squared_triangle, area, inverse_squared_triangle_middle)

@@ -5,17 +5,15 @@
 
 #include "field/batch_f32.h"
 
-SKF_INLINE skf_v3d points_load(const float *const p[3], size_t i) {
-  return (skf_v3d){vd_load(p[0] + i), vd_load(p[1] + i), vd_load(p[2] + i)};
-}
-
-/* The lanes that are not good, by the closed form in doubles */
-static inline void lanes_closed(const skf_prepared *e, bool inner, const skf_v3d *x, skf_vvalue *v) {
-  for (int i = 0; i < SKF_LANES; i++) {
+/* The lanes of v that are not good, by the closed form in doubles. Lane i sees element i * step. */
+static inline void lanes_closed(const skf_prepared *const *e, size_t step, bool inner, const skf_v3d *x,
+                                skf_vvalue *v) {
+  if (vi_all(v->good)) return;
+  for (size_t i = 0; i < SKF_LANES; i++) {
     if (v->good[i]) continue;
     skf_value c = {.F = 0}; /* not before: it takes longer than a vector */
-    skf_element_value(e, v3(x->x[i], x->y[i], x->z[i]), 1, &c);
-    double s = inner ? e->strength : 1;
+    skf_element_value(e[i * step], v3(x->x[i], x->y[i], x->z[i]), 1, &c);
+    double s = inner ? e[i * step]->strength : 1;
     c.g = c.F - c.F == 0 ? v3_scale(s, c.g) : v3(0, 0, 0);
     v->F[i] = (float)(s * c.F);
     v->g.x[i] = (float)c.g.x, v->g.y[i] = (float)c.g.y, v->g.z[i] = (float)c.g.z;
@@ -26,10 +24,10 @@ SKF_INLINE void sum_float(float *sum, skf_vd strength, skf_vd v, bool first) {
   vd_store(sum, first ? strength * v : vd_fma(strength, v, vd_load(sum)));
 }
 
-/* What an element's F and gradient are multiplied with */
-typedef struct f32_factor {
-  skf_vd F, g;
-} f32_factor;
+/* The strength, by scale[0] and scale[1] */
+SKF_INLINE loop_factor loop_factor_of(const skf_tile *tile, size_t j, const double *scale) {
+  return (loop_factor){vd_set(tile->column[j] * scale[0]), vd_set(tile->column[j] * scale[1])};
+}
 
 static void batch_keep(size_t n, const float *F, const float *v, float *out) {
   for (size_t i = 0; i < n; i += SKF_LANES) {
@@ -45,19 +43,39 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
 #define SKF_BATCH_COMMON(name, row_name, again, inner)                                                                 \
   typedef row_name##_row name##_row;                                                                                   \
   enum { name##_inner = (inner) };                                                                                     \
-  static double *name##_pack(const skf_prepared *e, double *k) { return row_name##_pack(e, k); }                       \
+  SKF_INLINE skf_vvalue name##_again(const name##_row *row, skf_v3d x) {                                               \
+    (void)row, (void)x;                                                                                                \
+    return again(row, x);                                                                                              \
+  }                                                                                                                    \
+  static double *name##_pack(const skf_prepared *e, double *k) { return row_name##_pack(e, k); }
+
+/* From NAME_all, which sets values or adds to them: the sum of a tile's */
+#define SKF_BATCH_WHOLE(name)                                                                                          \
+  static __attribute__((noinline)) void name##_one(const skf_tile *tile, const double scale[2], size_t n,              \
+                                                   const float *const p[3], float *const sum[4]) {                     \
+    name##_all(tile, 0, scale, n, p, sum, false);                                                                      \
+  }                                                                                                                    \
+  static __attribute__((noinline)) void name##_more(const skf_tile *tile, size_t j, const double scale[2], size_t n,   \
+                                                    const float *const p[3], float *const sum[4]) {                    \
+    name##_all(tile, j, scale, n, p, sum, true);                                                                       \
+  }                                                                                                                    \
+  static void name##_add(const skf_tile *tile, size_t n, const float *const p[3], const double scale[2],               \
+                         float *const sum[4]) {                                                                        \
+    name##_one(tile, scale, n, p, sum);                                                                                \
+    for (size_t j = 1; j < tile->count; j++) name##_more(tile, j, scale, n, p, sum);                                   \
+  }
+
+/* A vector's value, corrected, into the sum */
+#define SKF_F32_KEEP(name)                                                                                             \
   static __attribute__((noinline, cold)) void name##_redo(const skf_tile *tile, size_t j, const float *const p[3],     \
                                                           size_t i, skf_vvalue *v) {                                   \
     const skf_v3d x = points_load(p, i);                                                                               \
     name##_row row;                                                                                                    \
     row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
-    vv_take(v, again(&row, x));                                                                                        \
-    lanes_closed(tile->element[j], name##_inner, &x, v);                                                               \
-  }
-
-/* A vector's value, corrected, into the sum */
-#define SKF_F32_KEEP(name)                                                                                             \
-  SKF_INLINE void name##_keep(const skf_tile *tile, size_t j, const float *const p[3], size_t at, f32_factor by,       \
+    vv_take(v, name##_again(&row, x));                                                                                 \
+    lanes_closed(tile->element + j, 0, name##_inner, &x, v);                                                           \
+  }                                                                                                                    \
+  SKF_INLINE void name##_keep(const skf_tile *tile, size_t j, const float *const p[3], size_t at, loop_factor by,      \
                               skf_vvalue v, float *const sum[4]) {                                                     \
     if (__builtin_expect(!vi_all(v.good), 0)) {                                                                        \
       skf_vvalue w = v;                                                                                                \
@@ -76,7 +94,7 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
     const float *const in[3] = {p[0], p[1], p[2]};                                                                     \
     float *const out[4] = {sum[0], sum[1], sum[2], sum[3]};                                                            \
     for (size_t j = 0; j < tile->count; j++) {                                                                         \
-      const f32_factor by = {vd_set(tile->column[j] * scale[0]), vd_set(tile->column[j] * scale[1])};                  \
+      const loop_factor by = loop_factor_of(tile, j, scale);                                                           \
       name##_row row;                                                                                                  \
       row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                             \
       name##_all(tile, j, &row, by, n, in, out);                                                                       \
@@ -85,7 +103,7 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
 
 #define SKF_BATCH_PAIRS(name, inner)                                                                                   \
   SKF_F32_KEEP(name)                                                                                                   \
-  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, f32_factor by, size_t n,           \
+  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, loop_factor by, size_t n,          \
                              const float *const p[3], float *const sum[4]) {                                           \
     size_t i = 0;                                                                                                      \
     for (; i + 2 * SKF_LANES <= n; i += 2 * SKF_LANES) {                                                               \
@@ -100,7 +118,7 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
 /* Four vectors at once */
 #define SKF_BATCH_FOURS(name, way)                                                                                     \
   SKF_F32_KEEP(name)                                                                                                   \
-  SKF_INLINE void name##_some(const skf_tile *tile, size_t j, const name##_row *row, f32_factor by, size_t n,          \
+  SKF_INLINE void name##_some(const skf_tile *tile, size_t j, const name##_row *row, loop_factor by, size_t n,         \
                               bool first, const float *const p[3], size_t i, float *const sum[4]) {                    \
     skf_v3d x[4];                                                                                                      \
     skf_vd w[4], F[4], slope[4];                                                                                       \
@@ -119,37 +137,18 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
     SKF_EACH(u, n)                                                                                                     \
     sum_float(sum[3] + i + u * SKF_LANES, by.g, slope[u] * way##_along(row, z, p[2] + i + u * SKF_LANES), first);      \
   }                                                                                                                    \
-  SKF_INLINE void name##_either(const skf_tile *tile, size_t j, const name##_row *row, f32_factor by, size_t n,        \
+  SKF_INLINE void name##_either(const skf_tile *tile, size_t j, const name##_row *row, loop_factor by, size_t n,       \
                                 bool first, const float *const p[3], float *const sum[4]) {                            \
     size_t i = 0;                                                                                                      \
     for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, row, by, 4, first, p, i, sum);             \
     for (; i < n; i += SKF_LANES) name##_some(tile, j, row, by, 1, first, p, i, sum);                                  \
   }                                                                                                                    \
-  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, f32_factor by, size_t n,           \
+  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, loop_factor by, size_t n,          \
                              const float *const p[3], float *const sum[4]) {                                           \
     if (j == 0)                                                                                                        \
       name##_either(tile, j, row, by, n, true, p, sum);                                                                \
     else                                                                                                               \
       name##_either(tile, j, row, by, n, false, p, sum);                                                               \
-  }                                                                                                                    \
-  SKF_F32_ADD(name)
-
-#define SKF_BATCH_STAGES(name, woven, look, one, two, three, gather)                                                   \
-  SKF_F32_KEEP(name)                                                                                                   \
-  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, f32_factor by, size_t n,           \
-                             const float *const p[3], float *const sum[4]) {                                           \
-    name##_state s[SKF_FLIGHT];                                                                                        \
-    for (size_t i = 0, m; i < n; i += m * SKF_LANES) {                                                                 \
-      m = n - i < SKF_FLIGHT * SKF_LANES ? (n - i) / SKF_LANES : SKF_FLIGHT;                                           \
-      SKF_ROLLED for (size_t u = 0; u < m; u++) name##_begin(row, points_load(p, i + u * SKF_LANES), s + u);           \
-      SKF_ROLLED for (size_t u = 0; u < m; u++) look(row, s + u);                                                      \
-      SKF_ROLLED for (size_t u = 0; u < m; u++) one(row, s + u);                                                       \
-      SKF_ROLLED for (size_t u = 0; u < m; u++) two(row, s + u);                                                       \
-      SKF_ROLLED for (size_t u = 0; u < m; u++) three(row, s + u);                                                     \
-      SKF_ROLLED for (size_t u = 0; u < m; u++) gather(row, s + u);                                                    \
-      SKF_ROLLED for (size_t u = 0; u < m; u++)                                                                        \
-          name##_keep(tile, j, p, i + u * SKF_LANES, by, name##_end(row, s + u), sum);                                 \
-    }                                                                                                                  \
   }                                                                                                                    \
   SKF_F32_ADD(name)
 

@@ -6,6 +6,9 @@
 #include "field/batch_arc.h"
 #include "field/batch_arc_open.h"
 #include "field/batch_arc_smooth.h"
+#include "field/batch_area_cauchy.h"
+#include "field/batch_area_compact.h"
+#include "field/batch_area_gaussian.h"
 #include "field/batch_circle.h"
 #include "field/batch_plane.h"
 #include "field/batch_point.h"
@@ -23,9 +26,11 @@
   SKF_F32_ENTRY(quartic_segment) SKF_F32_ENTRY(soft_object_segment) SKF_F32_ENTRY(cauchy_arc)                          \
   SKF_F32_ENTRY(cauchy_circle) SKF_F32_ENTRY(inverse_arc) SKF_F32_ENTRY(inverse_circle)                                \
   SKF_F32_ENTRY(inverse_squared_arc) SKF_F32_ENTRY(inverse_squared_circle) SKF_F32_ENTRY(gaussian_circle)              \
-  SKF_F32_ENTRY(inverse_triangle) SKF_F32_ENTRY(inverse_plane) SKF_F32_ENTRY(inverse_squared_plane)                    \
-  SKF_F32_ENTRY(cauchy_plane) SKF_F32_ENTRY(gaussian_plane) SKF_F32_ENTRY(metaball_plane)                              \
-  SKF_F32_ENTRY(soft_object_plane) SKF_F32_ENTRY(quartic_plane)                                                        \
+  SKF_F32_ENTRY(inverse_triangle) SKF_F32_ENTRY(cauchy_triangle) SKF_F32_ENTRY(inverse_squared_triangle)               \
+  SKF_F32_ENTRY(gaussian_triangle) SKF_F32_ENTRY(quartic_triangle) SKF_F32_ENTRY(soft_object_triangle)                 \
+  SKF_F32_ENTRY(inverse_plane) SKF_F32_ENTRY(inverse_squared_plane) SKF_F32_ENTRY(cauchy_plane)                        \
+  SKF_F32_ENTRY(gaussian_plane) SKF_F32_ENTRY(metaball_plane) SKF_F32_ENTRY(soft_object_plane)                         \
+  SKF_F32_ENTRY(quartic_plane)                                                                                         \
   .keep = batch_keep
 /* clang-format on */
 

@@ -9,8 +9,10 @@ SKF_INLINE void row_load(skf_vd *row, size_t n, const double *column, size_t j) 
   for (size_t k = 0; k < n; k++) row[k] = vd_load(column + k * SKF_TILE + j);
 }
 
-SKF_INLINE skf_v3d points_load(const double *const p[3], size_t i) {
-  return (skf_v3d){vd_load(p[0] + i), vd_load(p[1] + i), vd_load(p[2] + i)};
+/* What an element's F and gradient are multiplied with */
+SKF_INLINE loop_factor loop_factor_of(const skf_tile *tile, size_t j, const double *scale) {
+  (void)scale;
+  return (loop_factor){vd_set(tile->column[j]), vd_set(tile->column[j])};
 }
 
 /* The lanes of v that are not good, by the closed form. Lane i sees element i * step. */
@@ -25,54 +27,6 @@ static inline void lanes_closed(const skf_prepared *const *e, size_t step, bool 
     c.g = c.F - c.F == 0 ? v3_scale(s, c.g) : v3(0, 0, 0);
     v->F[i] = s * c.F, v->g.x[i] = c.g.x, v->g.y[i] = c.g.y, v->g.z[i] = c.g.z;
   }
-}
-
-SKF_INLINE void vv_put(const skf_vvalue *v, double *const out[4], size_t i) {
-  vd_store(out[0] + i, v->F);
-  vd_store(out[1] + i, v->g.x);
-  vd_store(out[2] + i, v->g.y);
-  vd_store(out[3] + i, v->g.z);
-}
-SKF_INLINE void vv_store(skf_vd strength, const skf_vvalue *v, double *const out[4], size_t i) {
-  vd_store(out[0] + i, strength * v->F);
-  vd_store(out[1] + i, strength * v->g.x);
-  vd_store(out[2] + i, strength * v->g.y);
-  vd_store(out[3] + i, strength * v->g.z);
-}
-
-/* For vectors some of whose lanes are not good: those are noted, the others kept. */
-static inline size_t lanes_note(skf_vi good, size_t i, size_t *bad, size_t bads) {
-  for (size_t k = 0; k < SKF_LANES; k++)
-    if (!good[k]) bad[bads++] = i + k;
-  return bads;
-}
-SKF_INLINE skf_vvalue vv_kept(const skf_vvalue *v) {
-  const skf_vd zero = vd_set(0);
-  return (skf_vvalue){vd_select(v->good, v->F, zero), vd3_select(v->good, v->g, (skf_v3d){zero, zero, zero}), v->good};
-}
-
-/* The points at[0], at[1], ..., the last one again in lanes from n on; values to where they belong */
-static inline skf_v3d points_gather(const double *const p[3], const size_t *at, size_t n) {
-  skf_v3d x;
-  for (size_t k = 0; k < SKF_LANES; k++) {
-    size_t i = at[k < n ? k : n - 1];
-    x.x[k] = p[0][i], x.y[k] = p[1][i], x.z[k] = p[2][i];
-  }
-  return x;
-}
-static inline void vv_scatter(double strength, const skf_vvalue *v, double *const out[4], const size_t *at, size_t n,
-                              bool more) {
-  const skf_vd part[4] = {v->F, v->g.x, v->g.y, v->g.z};
-  for (size_t k = 0; k < SKF_LANES && k < n; k++)
-    for (int c = 0; c < 4; c++) out[c][at[k]] = more ? fma(strength, part[c][k], out[c][at[k]]) : strength * part[c][k];
-}
-
-SKF_INLINE void vd_more(double *to, skf_vd strength, skf_vd v) { vd_store(to, vd_fma(strength, v, vd_load(to))); }
-SKF_INLINE void vv_add(skf_vd strength, const skf_vvalue *v, double *const out[4], size_t i) {
-  vd_more(out[0] + i, strength, v->F);
-  vd_more(out[1] + i, strength, v->g.x);
-  vd_more(out[2] + i, strength, v->g.y);
-  vd_more(out[3] + i, strength, v->g.z);
 }
 
 /* *sum += v, the rounding error kept exactly [Knuth] */
@@ -226,14 +180,14 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
   }                                                                                                                    \
   SKF_INLINE void name##_one_step(const skf_tile *tile, const name##_row *row, const double *const p[3], size_t i,     \
                                   size_t n, double *const out[4]) {                                                    \
-    const skf_vd strength = vd_set(tile->column[0]);                                                                   \
+    const loop_factor by = loop_factor_of(tile, 0, NULL);                                                              \
     skf_vvalue v[2];                                                                                                   \
     name##_pair(tile, 0, row, p, i, n, v);                                                                             \
     for (size_t k = 0; k < n; k++) {                                                                                   \
       if (inner)                                                                                                       \
         vv_put(v + k, out, i + k * SKF_LANES);                                                                         \
       else                                                                                                             \
-        vv_store(strength, v + k, out, i + k * SKF_LANES);                                                             \
+        vv_store(by, v + k, out, i + k * SKF_LANES);                                                                   \
     }                                                                                                                  \
   }                                                                                                                    \
   static void name##_one(const skf_tile *tile, size_t n, const double *const p[3], double *const out[4]) {             \
@@ -274,11 +228,11 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
 #define SKF_BATCH_WHOLE(name)                                                                                          \
   static __attribute__((noinline)) void name##_one(const skf_tile *tile, size_t n, const double *const p[3],           \
                                                    double *const out[4]) {                                             \
-    name##_all(tile, 0, n, p, out, false);                                                                             \
+    name##_all(tile, 0, NULL, n, p, out, false);                                                                       \
   }                                                                                                                    \
   static __attribute__((noinline)) void name##_more(const skf_tile *tile, size_t j, size_t n,                          \
                                                     const double *const p[3], double *const out[4]) {                  \
-    name##_all(tile, j, n, p, out, true);                                                                              \
+    name##_all(tile, j, NULL, n, p, out, true);                                                                        \
   }                                                                                                                    \
   static void name##_add(const skf_tile *tile, size_t n, const double *const p[3], skf_batch_sum *sum, bool first) {   \
     double all[4][SKF_BATCH], *const out[4] = {all[0], all[1], all[2], all[3]};                                        \
@@ -313,7 +267,7 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
         lanes_closed(tile->element + j, 0, true, &x, &v);                                                              \
       }                                                                                                                \
       if (more)                                                                                                        \
-        vv_add(vd_set(1), &v, out, i);                                                                                 \
+        vv_add((loop_factor){vd_set(1), vd_set(1)}, &v, out, i);                                                       \
       else                                                                                                             \
         vv_put(&v, out, i);                                                                                            \
     }                                                                                                                  \
@@ -357,8 +311,9 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
     return i;                                                                                                          \
   }                                                                                                                    \
   /* element j at all points; out is set, or added to */                                                               \
-  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, size_t n, const double *const p[3], double *const out[4], \
-                             bool more) {                                                                              \
+  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const double *scale, size_t n, const double *const p[3],  \
+                             double *const out[4], bool more) {                                                        \
+    (void)scale;                                                                                                       \
     double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
     const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
     size_t i;                                                                                                          \
@@ -373,92 +328,6 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
       name##_gauge(&row, SKF_MIXED, 1, in, i, &w);                                                                     \
       name##_some(tile, j, &row, 1, in, i, &w, to, more);                                                              \
     }                                                                                                                  \
-  }                                                                                                                    \
-  SKF_BATCH_WHOLE(name)
-
-/* Stage after stage, for many vectors each: their chains of operations are short enough to overlap, and what is between
-   waits in memory, so that few registers are needed. A stage best ends with its roots and quotients: what waits for
-   them fills the scheduler. Nor is there a call in these loops, which would spill the constants. */
-#define SKF_BATCH_STAGES(name, woven, look, one, two, three, gather)                                                   \
-  /* some of the points by themselves, whatever lanes they came from */                                                \
-  static                                                                                                               \
-      __attribute__((noinline)) void name##_apart(const skf_tile *tile, size_t j, const double *const p[3],            \
-                                                  const size_t *at, size_t count, double *const out[4], bool more) {   \
-    name##_row row;                                                                                                    \
-    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
-    for (size_t k = 0; k < count; k += SKF_LANES) {                                                                    \
-      const skf_v3d x = points_gather(p, at + k, count - k);                                                           \
-      skf_vvalue v = name##_again(&row, x);                                                                            \
-      lanes_closed(tile->element + j, 0, name##_inner, &x, &v);                                                        \
-      vv_scatter(tile->column[j], &v, out, at + k, count - k, more);                                                   \
-    }                                                                                                                  \
-  }                                                                                                                    \
-  /* element j at all points; out is set, or added to */                                                               \
-  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, size_t n, const double *const p[3], double *const out[4], \
-                             const bool more) {                                                                        \
-    double *const to[4] = {out[0], out[1], out[2], out[3]};                                                            \
-    const double *const in[3] = {p[0], p[1], p[2]};                                                                    \
-    const bool laced = (woven) == SKF_THREE_WITH_ONE, gathered = (woven) == SKF_GATHER_WITH_ONE;                       \
-    const bool twofold = laced || gathered || (woven) == SKF_WITH_ONE;                                                 \
-    const skf_vd strength = vd_set(tile->column[j]);                                                                   \
-    name##_row row;                                                                                                    \
-    name##_state room[(woven) >= SKF_WITH_ONE ? 2 : 1][SKF_FLIGHT], *old = room[0];                                    \
-    row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
-    size_t last = 0, next = 0, bad[(SKF_FLIGHT + 1) * SKF_LANES], bads = 0;                                            \
-    do {                                                                                                               \
-      const size_t flying = (next - last) / SKF_LANES, left = (n - next) / SKF_LANES;                                  \
-      const size_t m = left < SKF_FLIGHT ? left : SKF_FLIGHT, both = flying < m ? flying : m;                          \
-      double *const there[4] = {to[0] + last, to[1] + last, to[2] + last, to[3] + last};                               \
-      const double *const here[3] = {in[0] + next, in[1] + next, in[2] + next};                                        \
-      name##_state *const s = twofold && old == room[0] ? room[1] : room[0];                                           \
-      if (twofold) {                                                                                                   \
-        SKF_ROLLED for (size_t u = 0; u < m; u++) name##_begin(&row, points_load(here, u *SKF_LANES), s + u);          \
-      }                                                                                                                \
-      if (gathered) {                                                                                                  \
-        SKF_ROLLED for (size_t u = 0; u < m; u++) look(&row, s + u);                                                   \
-        SKF_ROLLED for (size_t u = 0; u < both; u++) {                                                                 \
-          gather(&row, old + u);                                                                                       \
-          one(&row, s + u);                                                                                            \
-        }                                                                                                              \
-        SKF_ROLLED for (size_t u = both; u < flying; u++) gather(&row, old + u);                                       \
-      }                                                                                                                \
-      if (laced) {                                                                                                     \
-        SKF_ROLLED for (size_t u = 0; u < both; u++) {                                                                 \
-          one(&row, s + u);                                                                                            \
-          three(&row, old + u);                                                                                        \
-        }                                                                                                              \
-        SKF_ROLLED for (size_t u = both; u < flying; u++) three(&row, old + u);                                        \
-      }                                                                                                                \
-      SKF_ROLLED for (size_t u = 0; u < flying; u++) {                                                                 \
-        skf_vvalue v = name##_end(&row, old + u);                                                                      \
-        if (__builtin_expect(!vi_all(v.good), 0)) {                                                                    \
-          bads = lanes_note(v.good, last + u * SKF_LANES, bad, bads);                                                  \
-          if (more) v = vv_kept(&v);                                                                                   \
-        }                                                                                                              \
-        if (more)                                                                                                      \
-          vv_add(strength, &v, there, u *SKF_LANES);                                                                   \
-        else if (name##_inner)                                                                                         \
-          vv_put(&v, there, u *SKF_LANES);                                                                             \
-        else                                                                                                           \
-          vv_store(strength, &v, there, u *SKF_LANES);                                                                 \
-        if ((woven) == SKF_WITH_BEGIN && u < m) name##_begin(&row, points_load(here, u *SKF_LANES), s + u);            \
-        if ((woven) == SKF_WITH_ONE && u < m) one(&row, s + u);                                                        \
-      }                                                                                                                \
-      if (!twofold) {                                                                                                  \
-        SKF_ROLLED for (size_t u = (woven) == SKF_WITH_BEGIN ? flying : 0; u < m; u++)                                 \
-            name##_begin(&row, points_load(here, u *SKF_LANES), s + u);                                                \
-      }                                                                                                                \
-      SKF_ROLLED for (size_t u = twofold ? both : 0; u < m; u++) one(&row, s + u);                                     \
-      SKF_ROLLED for (size_t u = 0; u < m; u++) two(&row, s + u);                                                      \
-      if (!laced) { SKF_ROLLED for (size_t u = 0; u < m; u++) three(&row, s + u); }                                    \
-      if (bads >= SKF_LANES || (bads > 0 && m == 0)) {                                                                 \
-        const size_t most = m == 0 ? bads : bads / SKF_LANES * SKF_LANES;                                              \
-        name##_apart(tile, j, in, bad, most, to, more);                                                                \
-        bads -= most;                                                                                                  \
-        for (size_t k = 0; k < bads; k++) bad[k] = bad[most + k];                                                      \
-      }                                                                                                                \
-      last = next, next += m * SKF_LANES, old = s;                                                                     \
-    } while (last < next);                                                                                             \
   }                                                                                                                    \
   SKF_BATCH_WHOLE(name)
 

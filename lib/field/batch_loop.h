@@ -227,10 +227,41 @@ enum { SKF_APART, SKF_WITH_BEGIN, SKF_WITH_ONE, SKF_THREE_WITH_ONE, SKF_GATHER_W
 /* Of a long form there is one copy, that its loops call. */
 #define SKF_OUTLINE static __attribute__((noinline))
 
+/* What an element's F and gradient are multiplied with */
+typedef struct loop_factor {
+  skf_vd F, g;
+} loop_factor;
+
+SKF_INLINE skf_v3d points_load(const skf_real *const p[3], size_t i) {
+  return (skf_v3d){vd_load(p[0] + i), vd_load(p[1] + i), vd_load(p[2] + i)};
+}
+
+SKF_INLINE void vv_put(const skf_vvalue *v, skf_real *const out[4], size_t i) {
+  vd_store(out[0] + i, v->F);
+  vd_store(out[1] + i, v->g.x);
+  vd_store(out[2] + i, v->g.y);
+  vd_store(out[3] + i, v->g.z);
+}
+SKF_INLINE void vv_store(loop_factor by, const skf_vvalue *v, skf_real *const out[4], size_t i) {
+  vd_store(out[0] + i, by.F * v->F);
+  vd_store(out[1] + i, by.g * v->g.x);
+  vd_store(out[2] + i, by.g * v->g.y);
+  vd_store(out[3] + i, by.g * v->g.z);
+}
+
+SKF_INLINE void vd_more(skf_real *to, skf_vd factor, skf_vd v) { vd_store(to, vd_fma(factor, v, vd_load(to))); }
+SKF_INLINE void vv_add(loop_factor by, const skf_vvalue *v, skf_real *const out[4], size_t i) {
+  vd_more(out[0] + i, by.F, v->F);
+  vd_more(out[1] + i, by.g, v->g.x);
+  vd_more(out[2] + i, by.g, v->g.y);
+  vd_more(out[3] + i, by.g, v->g.z);
+}
+
 #ifdef SKF_VEC_FLOAT
 #include "field/batch_f32_loop.h"
 #else
 #include "field/batch_f64_loop.h"
 #endif
+#include "field/batch_stage_loop.h"
 
 #endif

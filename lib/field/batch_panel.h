@@ -6,7 +6,7 @@
 
 #include "field/batch_area.h"
 
-enum { PANEL_NODES = 14 };
+enum { PANEL_NODES = SKF_COUNT(14, 8) };
 
 typedef struct panel_view {
   skf_vd start, step, count, delta, mid, half; /* panels in t; or one in l about `mid` where the edge is short */

@@ -19,14 +19,16 @@
 typedef float skf_real;
 typedef int skf_whole;
 typedef unsigned skf_bits;
-#define SKF_PICK(for_double, for_float) ((skf_real)(for_float))
+#define SKF_PICK(for_double, for_float)  ((skf_real)(for_float))
+#define SKF_COUNT(for_double, for_float) (for_float)
 enum { SKF_MANTISSA = 23, SKF_BIAS = 127 };
 #else
 typedef double skf_real;
 typedef long long skf_whole;
 typedef unsigned long long skf_bits;
-/* A constant that depends on the type */
-#define SKF_PICK(for_double, for_float) ((skf_real)(for_double))
+/* A constant that depends on the type; a whole one */
+#define SKF_PICK(for_double, for_float)  ((skf_real)(for_double))
+#define SKF_COUNT(for_double, for_float) (for_double)
 enum { SKF_MANTISSA = 52, SKF_BIAS = 1023 };
 #endif
 

@@ -214,13 +214,13 @@ typedef struct skf_field_f32 skf_field_f32;
 SKF_API skf_status skf_field_f32_new(const skf_field *field, skf_vec3 origin, double unit, skf_field_f32 **out);
 SKF_API void skf_field_f32_free(skf_field_f32 *field);
 
-/* As skf_field_eval, in the field's own units: the gradient is per length of x, not of p. With AVX2 and FMA or AVX-512,
-   all kernels at points and planes, all but the metaball's on segments, 1/r, 1/r^2 and Cauchy kernels on arcs and
-   circles, Gaussian circles and 1/r triangles are evaluated in floats, eight or sixteen points at once; everything else
-   in doubles, then rounded.
-   Error, in units of 6e-8 = 2^-24: 16 (triangles 512) of |F| and of |g|, and what F and g change when the point moves
-   by 4 units of the largest coordinate |p| or vertex of the body; for sums, of the sum of the magnitudes. What exceeds
-   the range of floats becomes infinite or, below 1e-36 of the largest strength, 0. */
+/* As skf_field_eval, in the field's own units: the gradient is per length of x, not of p. With AVX2 or AVX-512, all but
+   Gaussian open arcs, quartics and soft objects on arcs and circles, and metaballs on segments, arcs, circles and
+   triangles is evaluated in floats, eight or sixteen points at once; everything else in doubles, then rounded.
+   Error, in units of 6e-8 = 2^-24: 16 (soft objects on segments 18; triangles 512) of |F| and of
+   |g|, and what F and g change when the point moves by 4 units of the largest |coordinate| of it or of the vertices;
+   for sums, of the sum of the magnitudes. What exceeds the range of floats becomes infinite or, below 1e-36 of the
+   largest strength, 0. */
 SKF_API skf_status skf_field_f32_eval(const skf_field_f32 *field, size_t n, const float *const p[3], float *F,
                                       float *const g[3]);
 
