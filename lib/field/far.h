@@ -4,7 +4,8 @@
    Gaussians (far_mixture.h). Everything that depends on the sources alone is computed once: a point adds up the
    elements in the cells near its own by their closed forms, and one expansion for all others. A point outside of
    the root sees the whole as harmonics around its middle or as weighted points. Gaussians that are narrow next to the
-   whole have no expansions: those that matter at a point are summed (far_narrow.c). */
+   whole have no expansions: those that matter at a point are summed (far_narrow.c); wide ones have polynomials on a
+   grid (far_wide.c). */
 #ifndef SKF_FIELD_FAR_H
 #define SKF_FIELD_FAR_H
 
