@@ -122,12 +122,11 @@ static const char notes[] =
     "     F(p) = sum of strength times the integral of the kernel over the primitive, g its gradient;\n"
     "     --tensor adds hxx,hxy,hxz,hyy,hyz,hzz. F is inf where the field is infinite.\n"
     "     --accuracy A, from 1e-12 to 0.01, is for large skeletons: 4000 or more primitives of one kernel\n"
-    "     (inverse, inverse-squared, cauchy) are summed by expansions, gaussian ones where they matter or, wide, by "
-    "polynomials,\n"
-    "     F to A times the sum of its absolute terms. Without it this happens to 1e-12 at 100000 points or more\n"
-    "     (not with --tensor) in bodies of 5000 inverse or gaussian primitives or more (12500 if they are points;\n"
-    "     four times as many of the other two); else, and with --accuracy exact, every primitive is added up, to\n"
-    "     rounding.\n"
+    "     (inverse, inverse-squared, cauchy) are summed by expansions, narrow gaussian ones where they matter,\n"
+    "     wide ones by polynomials, F to A times the sum of its absolute terms. Without it this happens to 1e-12\n"
+    "     at 100000 points or more (not with --tensor) in bodies of 5000 inverse or gaussian primitives or more\n"
+    "     (12500 if they are points; four times as many of the other two); else, and with --accuracy exact, every\n"
+    "     primitive is added up, to rounding.\n"
     "example: skelfield eval data/donut.yaml points.csv -o field.csv";
 
 static const char *const writes[] = {"output", NULL};
