@@ -66,7 +66,7 @@ void measure(const field_case *c, case_region r, pair_errors *to) {
     return;
   }
   to->limited++;
-  if (!within(e, larger(target, case_moves(c, &want))))
+  if (!within(e, larger(target, case_moves(c, &want, oracle))))
     nb_fail("%s %s %s: errors %.1e %.1e %.1e", kernel_name(c->element.kernel.type),
             shape_name(c->element.primitive.shape), case_region_name[r], e.F, e.g, e.h);
 }
