@@ -120,7 +120,7 @@ static picture open_picture(const bench_scene *s, int size) {
   p.rays = malloc(p.n * sizeof *p.rays), p.hits = malloc(p.n * sizeof *p.hits), p.found = malloc(p.n);
   if (!p.rays || !p.hits || !p.found) exit(1);
   memset(p.hits, 1, p.n * sizeof *p.hits), memset(p.found, 1, p.n); /* no page is new */
-  bench_rays(s, size, p.rays);
+  bench_rows(s, size, 0, size, p.rays);
   return p;
 }
 
@@ -133,14 +133,22 @@ static skf_tracer *tracer_of(const skf_field *f, const bench_scene *s) {
   return t;
 }
 
-/* One frame; what it covers beside another picture, where there is one. */
+/* One frame, some rows at a time; what it covers beside another picture, where there is one. */
 static int once(const bench_scene *s, int size, const char *other) {
-  picture p = open_picture(s, size);
+  enum { ROWS = 8 };
+  picture p = {.size = size, .n = (size_t)size * (size_t)size};
+  p.rays = malloc(ROWS * (size_t)size * sizeof *p.rays), p.hits = malloc(ROWS * (size_t)size * sizeof *p.hits);
+  p.found = malloc(p.n);
+  if (!p.rays || !p.hits || !p.found) exit(1);
   skf_field *f = NULL;
   omp_set_num_threads(1);
   if (skf_field_new(s->elements, s->count, &f)) exit(1);
   skf_tracer *t = tracer_of(f, s);
-  skf_tracer_first_many(t, p.n, p.rays, p.hits, p.found, NULL);
+  for (int y = 0; y < size; y += ROWS) {
+    int rows = size - y < ROWS ? size - y : ROWS;
+    bench_rows(s, size, y, rows, p.rays);
+    skf_tracer_first_many(t, (size_t)rows * (size_t)size, p.rays, p.hits, p.found + (size_t)y * (size_t)size, NULL);
+  }
   int status = other ? compare_picture(&p, other) : 0;
   skf_tracer_free(t);
   skf_field_free(f);

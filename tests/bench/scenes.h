@@ -101,12 +101,12 @@ static inline bench_scene bench_scene_make(int k, skf_element *room, size_t size
   return s;
 }
 
-/* The rays through the pixels of n x n, 40 degrees wide, row by row. */
-static inline void bench_rays(const bench_scene *s, int n, skf_ray *out) {
+/* The rays through the pixels of n x n, 40 degrees wide, row by row: `rows` of them, from row `first` on. */
+static inline void bench_rows(const bench_scene *s, int n, int first, int rows, skf_ray *out) {
   skf_vec3 forward = v3_unit(v3_sub(s->to, s->from)), right = v3_unit(v3_cross(v3(0, 1, 0), forward));
   skf_vec3 up = v3_cross(forward, right);
   double t = tan(20 * SKF_PI / 180);
-  for (int y = 0; y < n; y++)
+  for (int y = first; y < first + rows; y++)
     for (int x = 0; x < n; x++) {
       double a = (2 * (x + 0.5) / n - 1) * t, b = (1 - 2 * (y + 0.5) / n) * t;
       skf_vec3 d = v3_add(forward, v3_add(v3_scale(a, right), v3_scale(b, up)));
