@@ -34,10 +34,14 @@ static void fail(png_structp png, png_const_charp text) {
 static void filter(int height, size_t row, int bits, const unsigned char *rgb, unsigned char *out) {
   const size_t pixel = 3 * (size_t)(bits / 8);
   const size_t turn = bits == 16 && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__; /* PNG has the high byte first */
-  for (int y = 0; y < height; y++, rgb += row) {
-    *out++ = PNG_FILTER_VALUE_SUB;
-    for (size_t i = 0; i < pixel; i++) *out++ = rgb[i ^ turn];
-    for (size_t i = pixel; i < row; i++) *out++ = (unsigned char)(rgb[i ^ turn] - rgb[(i - pixel) ^ turn]);
+  for (int y = 0; y < height; y++, rgb += row, out += row + 1) {
+    unsigned char *to = out + 1;
+    *out = PNG_FILTER_VALUE_SUB;
+    for (size_t i = 0; i < pixel; i++) to[i] = rgb[i ^ turn];
+    if (turn)
+      for (size_t i = pixel; i < row; i++) to[i] = (unsigned char)(rgb[i ^ 1] - rgb[(i - pixel) ^ 1]);
+    else
+      for (size_t i = pixel; i < row; i++) to[i] = (unsigned char)(rgb[i] - rgb[i - pixel]);
   }
 }
 
