@@ -163,8 +163,9 @@ SKF_API void skf_field_free(skf_field *field);
    F_i(p) of the direct sum, the gradient within accuracy times the sum of |w_i| max(|grad F_i|, F_i / r_i), r_i being
    the distance to the element, and each second derivative within 30 accuracy times the sum of |w_i| max(|Hessian F_i|,
    F_i / r_i^2). Strengths that cancel are not counted out of these sums. F and the gradient of every single element are
-   within that (tests/field/test_far.c), so that no arrangement of them is worse; tests/field/test_tree.c finds 0.6 of
-   it at most, in clouds a thousandth.
+   within that (tests/field/test_far.c), so that no arrangement of them is worse; not so of wide Gaussians, of which
+   only the sums are, and their second derivatives by measurement alone. tests/field/test_tree.c finds 0.6 of it at
+   most, in clouds a thousandth.
 
    The expansions are made with the field, on OpenMP's threads. tests/bench/bench_tree.c measures time and memory: see
    the numbers there. A point then costs some microseconds however many elements there are; one far outside of all

@@ -171,7 +171,7 @@ SKF_API skf_status skf_camera_frame(const skf_field *const *fields, const double
                                     const skf_vec3 *points, size_t n, double azimuth, double elevation, double fov,
                                     double aspect, skf_camera *out);
 /* The same camera for the surfaces of `count` tracers. What they find out about these serves the picture, too: of slow
-   fields that saves up to a half. */
+   fields that saves up to two fifths of the work. */
 SKF_API skf_status skf_camera_frame_with(const skf_tracer *const *tracers, size_t count, const skf_vec3 *points,
                                          size_t n, double azimuth, double elevation, double fov, double aspect,
                                          skf_camera *out);
