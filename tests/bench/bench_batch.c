@@ -10,6 +10,7 @@
 #include "quiet.h"
 #include "simd/vec.h"
 #include "skelfield/field.h"
+#include "units.h"
 #include <omp.h>
 #include <stdio.h>
 #include <string.h>
@@ -132,22 +133,6 @@ enum { LIBRARIES = sizeof libraries / sizeof *libraries };
 
 static quiet_state quiet;
 static void keep(double *best, double ns) { *best = fmin(*best, ns); }
-
-/* other: a full circle, a plane whose normal is along no axis */
-static skf_primitive unit(skf_shape shape, bool other) {
-  skf_primitive s = {.shape = shape};
-  switch (shape) {
-  case SKF_SEGMENT: s.segment = (skf_segment){{-1, 0, 0}, {1, 0.1, 0}}; break;
-  case SKF_ARC: s.arc = (skf_arc){{0, 0, 0}, {0, 0, 1}, {cos(1), -sin(1), 0}, 1, other ? 2 * SKF_PI : 2}; break;
-  case SKF_TRIANGLE: s.triangle = (skf_triangle){{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0.2}}}; break;
-  case SKF_PLANE:
-    s.plane = (skf_plane){{0, 0, 0}, {0, 0, 1}};
-    if (other) s.plane.normal = v3(0.48, 0.6, 0.64);
-    break;
-  default: break;
-  }
-  return s;
-}
 
 static skf_field *make(const char *isa, const skf_element *e, size_t n) {
   skf_field *f = NULL;

@@ -8,6 +8,7 @@
 #include "quiet.h"
 #include "random.h"
 #include "skelfield/field.h"
+#include "units.h"
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -125,22 +126,6 @@ static void floats(const char *name, const skf_element *e, size_t n) {
   printf("%-30s %9.2f %9.2f %7.2f   %9.1f %9.1f%s\n", name, a, b, a / b, error[0], error[1], enough ? "" : "  *");
   skf_field_f32_free(f32);
   skf_field_free(f);
-}
-
-/* other: a full circle, a plane whose normal is along no axis */
-static skf_primitive unit(skf_shape shape, bool other) {
-  skf_primitive s = {.shape = shape};
-  switch (shape) {
-  case SKF_SEGMENT: s.segment = (skf_segment){{-1, 0, 0}, {1, 0.1, 0}}; break;
-  case SKF_ARC: s.arc = (skf_arc){{0, 0, 0}, {0, 0, 1}, {cos(1), -sin(1), 0}, 1, other ? 2 * SKF_PI : 2}; break;
-  case SKF_TRIANGLE: s.triangle = (skf_triangle){{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0.2}}}; break;
-  case SKF_PLANE:
-    s.plane = (skf_plane){{0, 0, 0}, {0, 0, 1}};
-    if (other) s.plane.normal = v3(0.48, 0.6, 0.64);
-    break;
-  default: break;
-  }
-  return s;
 }
 
 static void float_table(int words, char **word) {
