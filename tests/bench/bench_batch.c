@@ -7,6 +7,7 @@
    table only the rows whose names contain one of them ("cauchy arc"). */
 #include "core/vec3.h"
 #include "field/batch.h"
+#include "num/gauss.h"
 #include "quiet.h"
 #include "simd/vec.h"
 #include "skelfield/field.h"
@@ -18,7 +19,7 @@
 #include <sleef.h>
 #endif
 
-enum { POINTS = 1024, PAD = 24, RUNS = 30, SECONDS = 3, IN_A_ROW = 4, HUGE_POINTS = 2000000, FORMULAS = 11 };
+enum { POINTS = 1024, PAD = 24, RUNS = 30, SECONDS = 3, IN_A_ROW = 4, HUGE_POINTS = 2000000, FORMULAS = 13 };
 
 static double p[3][POINTS + PAD], F[4][POINTS + PAD]; /* padded: rows a multiple of 4096 bytes apart disturb */
 static long double exact[4][POINTS];
@@ -37,7 +38,8 @@ static const struct {
                         {SKF_GAUSSIAN, SKF_POINT},          {SKF_GAUSSIAN, SKF_SEGMENT},
                         {SKF_INVERSE_SQUARED, SKF_SEGMENT}, {SKF_INVERSE_SQUARED, SKF_ARC},
                         {SKF_GAUSSIAN, SKF_PLANE},          {SKF_INVERSE_SQUARED, SKF_PLANE},
-                        {SKF_CAUCHY, SKF_TRIANGLE}};
+                        {SKF_CAUCHY, SKF_TRIANGLE},         {SKF_GAUSSIAN, SKF_TRIANGLE},
+                        {SKF_INVERSE_SQUARED, SKF_TRIANGLE}};
 
 #define V               long double
 #define REAL            long double
