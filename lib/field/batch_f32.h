@@ -9,7 +9,7 @@ enum { SKF_F32_PAD = 16 }; /* points are padded to this, a multiple of every ins
 
 typedef struct skf_f32_ops {
   skf_batch_ops pack; /* columns and pack only */
-  /* strength times F and the gradient, summed over the tile, by scale[0] and scale[1] */
+  /* strength times F and the gradient, summed over the tile, by scale[0] and scale[1], or not if `scale` is NULL */
   void (*add[SKF_FORM_COUNT])(const skf_tile *t, size_t n, const float *const p[3], const double scale[2],
                               float *const sum[4]);
   /* out = v, but 0 where F is not finite and v is not F */

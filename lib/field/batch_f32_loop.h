@@ -20,13 +20,16 @@ static inline void lanes_closed(const skf_prepared *const *e, size_t step, bool 
   }
 }
 
-SKF_INLINE void sum_float(float *sum, skf_vd strength, skf_vd v, bool first) {
-  vd_store(sum, first ? strength * v : vd_fma(strength, v, vd_load(sum)));
+/* What becomes of a sum: begun by an element, which needs no factor when BARE, or increased by one */
+enum { SUM_BARE, SUM_FIRST, SUM_MORE };
+SKF_INLINE void sum_float(float *sum, skf_vd strength, skf_vd v, int how) {
+  vd_store(sum, how == SUM_BARE ? v : how == SUM_FIRST ? strength * v : vd_fma(strength, v, vd_load(sum)));
 }
 
-/* The strength, by scale[0] and scale[1] */
+/* The strength, by scale[0] and scale[1], if there is a scale */
 SKF_INLINE loop_factor loop_factor_of(const skf_tile *tile, size_t j, const double *scale) {
-  return (loop_factor){vd_set(tile->column[j] * scale[0]), vd_set(tile->column[j] * scale[1])};
+  const double strength = tile->column[j];
+  return (loop_factor){vd_set(scale ? strength * scale[0] : strength), vd_set(scale ? strength * scale[1] : strength)};
 }
 
 static void batch_keep(size_t n, const float *F, const float *v, float *out) {
@@ -51,6 +54,10 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
 
 /* From NAME_all, which sets values or adds to them: the sum of a tile's */
 #define SKF_BATCH_WHOLE(name)                                                                                          \
+  static __attribute__((noinline)) void name##_bare(const skf_tile *tile, size_t n, const float *const p[3],           \
+                                                    float *const sum[4]) {                                             \
+    name##_all(tile, 0, NULL, n, p, sum, false);                                                                       \
+  }                                                                                                                    \
   static __attribute__((noinline)) void name##_one(const skf_tile *tile, const double scale[2], size_t n,              \
                                                    const float *const p[3], float *const sum[4]) {                     \
     name##_all(tile, 0, scale, n, p, sum, false);                                                                      \
@@ -61,7 +68,10 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
   }                                                                                                                    \
   static void name##_add(const skf_tile *tile, size_t n, const float *const p[3], const double scale[2],               \
                          float *const sum[4]) {                                                                        \
-    name##_one(tile, scale, n, p, sum);                                                                                \
+    if (name##_inner && !scale)                                                                                        \
+      name##_bare(tile, n, p, sum);                                                                                    \
+    else                                                                                                               \
+      name##_one(tile, scale, n, p, sum);                                                                              \
     for (size_t j = 1; j < tile->count; j++) name##_more(tile, j, scale, n, p, sum);                                   \
   }
 
@@ -82,10 +92,10 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
       name##_redo(tile, j, p, at, &w);                                                                                 \
       v = w;                                                                                                           \
     }                                                                                                                  \
-    sum_float(sum[0] + at, by.F, v.F, j == 0);                                                                         \
-    sum_float(sum[1] + at, by.g, v.g.x, j == 0);                                                                       \
-    sum_float(sum[2] + at, by.g, v.g.y, j == 0);                                                                       \
-    sum_float(sum[3] + at, by.g, v.g.z, j == 0);                                                                       \
+    sum_float(sum[0] + at, by.F, v.F, j > 0 ? SUM_MORE : SUM_FIRST);                                                   \
+    sum_float(sum[1] + at, by.g, v.g.x, j > 0 ? SUM_MORE : SUM_FIRST);                                                 \
+    sum_float(sum[2] + at, by.g, v.g.y, j > 0 ? SUM_MORE : SUM_FIRST);                                                 \
+    sum_float(sum[3] + at, by.g, v.g.z, j > 0 ? SUM_MORE : SUM_FIRST);                                                 \
   }
 
 #define SKF_F32_ADD(name)                                                                                              \
@@ -94,17 +104,17 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
     const float *const in[3] = {p[0], p[1], p[2]};                                                                     \
     float *const out[4] = {sum[0], sum[1], sum[2], sum[3]};                                                            \
     for (size_t j = 0; j < tile->count; j++) {                                                                         \
-      const loop_factor by = loop_factor_of(tile, j, scale);                                                           \
       name##_row row;                                                                                                  \
       row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                             \
-      name##_all(tile, j, &row, by, n, in, out);                                                                       \
+      name##_all(tile, j, &row, scale, n, in, out);                                                                    \
     }                                                                                                                  \
   }
 
 #define SKF_BATCH_PAIRS(name, inner)                                                                                   \
   SKF_F32_KEEP(name)                                                                                                   \
-  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, loop_factor by, size_t n,          \
+  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, const double *scale, size_t n,     \
                              const float *const p[3], float *const sum[4]) {                                           \
+    const loop_factor by = loop_factor_of(tile, j, scale);                                                             \
     size_t i = 0;                                                                                                      \
     for (; i + 2 * SKF_LANES <= n; i += 2 * SKF_LANES) {                                                               \
       skf_vvalue v = name##_value(row, points_load(p, i)), w = name##_value(row, points_load(p, i + SKF_LANES));       \
@@ -119,7 +129,7 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
 #define SKF_BATCH_FOURS(name, way)                                                                                     \
   SKF_F32_KEEP(name)                                                                                                   \
   SKF_INLINE void name##_some(const skf_tile *tile, size_t j, const name##_row *row, loop_factor by, size_t n,         \
-                              bool first, const float *const p[3], size_t i, float *const sum[4]) {                    \
+                              const int how, const float *const p[3], size_t i, float *const sum[4]) {                 \
     skf_v3d x[4];                                                                                                      \
     skf_vd w[4], F[4], slope[4];                                                                                       \
     SKF_EACH(u, n) x[u] = points_load(p, i + u * SKF_LANES);                                                           \
@@ -129,26 +139,29 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
         name##_keep(tile, j, p, i + u * SKF_LANES, by, name##_value(row, points_load(p, i + u * SKF_LANES)), sum);     \
       return;                                                                                                          \
     }                                                                                                                  \
-    SKF_EACH(u, n) sum_float(sum[0] + i + u * SKF_LANES, by.F, F[u], first);                                           \
+    SKF_EACH(u, n) sum_float(sum[0] + i + u * SKF_LANES, by.F, F[u], how);                                             \
     SKF_EACH(u, n)                                                                                                     \
-    sum_float(sum[1] + i + u * SKF_LANES, by.g, slope[u] * way##_along(row, x, p[0] + i + u * SKF_LANES), first);      \
+    sum_float(sum[1] + i + u * SKF_LANES, by.g, slope[u] * way##_along(row, x, p[0] + i + u * SKF_LANES), how);        \
     SKF_EACH(u, n)                                                                                                     \
-    sum_float(sum[2] + i + u * SKF_LANES, by.g, slope[u] * way##_along(row, y, p[1] + i + u * SKF_LANES), first);      \
+    sum_float(sum[2] + i + u * SKF_LANES, by.g, slope[u] * way##_along(row, y, p[1] + i + u * SKF_LANES), how);        \
     SKF_EACH(u, n)                                                                                                     \
-    sum_float(sum[3] + i + u * SKF_LANES, by.g, slope[u] * way##_along(row, z, p[2] + i + u * SKF_LANES), first);      \
+    sum_float(sum[3] + i + u * SKF_LANES, by.g, slope[u] * way##_along(row, z, p[2] + i + u * SKF_LANES), how);        \
   }                                                                                                                    \
   SKF_INLINE void name##_either(const skf_tile *tile, size_t j, const name##_row *row, loop_factor by, size_t n,       \
-                                bool first, const float *const p[3], float *const sum[4]) {                            \
+                                const int how, const float *const p[3], float *const sum[4]) {                         \
     size_t i = 0;                                                                                                      \
-    for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, row, by, 4, first, p, i, sum);             \
-    for (; i < n; i += SKF_LANES) name##_some(tile, j, row, by, 1, first, p, i, sum);                                  \
+    for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, row, by, 4, how, p, i, sum);               \
+    for (; i < n; i += SKF_LANES) name##_some(tile, j, row, by, 1, how, p, i, sum);                                    \
   }                                                                                                                    \
-  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, loop_factor by, size_t n,          \
+  SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, const double *scale, size_t n,     \
                              const float *const p[3], float *const sum[4]) {                                           \
-    if (j == 0)                                                                                                        \
-      name##_either(tile, j, row, by, n, true, p, sum);                                                                \
+    const loop_factor by = loop_factor_of(tile, j, scale);                                                             \
+    if (j > 0)                                                                                                         \
+      name##_either(tile, j, row, by, n, SUM_MORE, p, sum);                                                            \
+    else if (scale)                                                                                                    \
+      name##_either(tile, j, row, by, n, SUM_FIRST, p, sum);                                                           \
     else                                                                                                               \
-      name##_either(tile, j, row, by, n, false, p, sum);                                                               \
+      name##_either(tile, j, row, by, n, SUM_BARE, p, sum);                                                            \
   }                                                                                                                    \
   SKF_F32_ADD(name)
 

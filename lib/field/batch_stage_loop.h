@@ -101,7 +101,7 @@ static inline void vv_scatter(loop_factor by, const skf_vvalue *v, skf_real *con
         }                                                                                                              \
         if (more)                                                                                                      \
           vv_add(by, &v, there, u *SKF_LANES);                                                                         \
-        else if (name##_inner && SKF_COUNT(1, 0))                                                                      \
+        else if (name##_inner && !scale)                                                                               \
           vv_put(&v, there, u *SKF_LANES);                                                                             \
         else                                                                                                           \
           vv_store(by, &v, there, u *SKF_LANES);                                                                       \

@@ -7,7 +7,7 @@
 
 struct skf_field_f32 {
   skf_vec3 origin;
-  double unit, top; /* largest strength */
+  double unit, top; /* largest strength, or 1 where it is near enough to that */
   const skf_f32_ops *ops;
   skf_prepared *prepared;
   skf_batch batch;
@@ -71,6 +71,7 @@ static skf_status split(const skf_field *field, skf_field_f32 *f, skf_element *r
     else
       rest[others++] = *e;
   }
+  if (f->top > 1. / 64 && f->top < 64) f->top = 1; /* so that values are right as they come */
   for (size_t i = 0; i < here && f->top > 0; i++) f->prepared[i].strength /= f->top;
   skf_status s = skf_batch_new(&f->ops->pack, f->prepared, here, &f->batch);
   return s || !others ? s : skf_field_new(rest, others, &f->rest);
@@ -130,6 +131,8 @@ static bool plain(const skf_field_f32 *f) {
   return f->batch.tiles == 1 && !f->rest && f->top > 1e-20 && f->top < 1e20 && scale > 1e-20 && scale < 1e20;
 }
 
+static const double *needed(const double scale[2]) { return scale[0] == 1 && scale[1] == 1 ? NULL : scale; }
+
 static void finish(size_t n, double sum[4][SKF_BATCH], int k, float *restrict out) {
   const double *F = sum[0], *v = sum[k];
   if (k == 0)
@@ -143,11 +146,11 @@ static void block(const job *j, size_t from, size_t n) {
   const skf_field_f32 *f = j->f;
   float room[3][SKF_BATCH], part[4][SKF_BATCH], *const to[4] = {part[0], part[1], part[2], part[3]};
   double sum[4][SKF_BATCH];
-  const double scale[2] = {f->top, f->top / f->unit}, one[2] = {1, 1};
+  const double scale[2] = {f->top, f->top / f->unit};
   const float *p[3];
   size_t padded = pad(j, from, n, room, p);
   if (plain(f)) {
-    f->ops->add[f->batch.tile->form](f->batch.tile, padded, p, scale, to);
+    f->ops->add[f->batch.tile->form](f->batch.tile, padded, p, needed(scale), to);
     for (int k = 0; k < 4; k++) /* an element alone has no infinities that cancel */
       if (j->out[k]) f->ops->keep(n, f->batch.elements == 1 ? part[k] : part[0], part[k], j->out[k] + from);
     return;
@@ -155,7 +158,7 @@ static void block(const job *j, size_t from, size_t n) {
   for (int k = 0; k < 4; k++) memset(sum[k], 0, n * sizeof(double));
   for (size_t t = 0; t < f->batch.tiles; t++) {
     const skf_tile *tile = f->batch.tile + t;
-    f->ops->add[tile->form](tile, padded, p, one, to);
+    f->ops->add[tile->form](tile, padded, p, NULL, to);
     for (int k = 0; k < 4; k++) {
       double by = scale[k > 0];
       for (size_t i = 0; i < n; i++) sum[k][i] += by * (double)part[k][i];
@@ -178,7 +181,7 @@ static void direct(const job *j, size_t from, size_t n) {
   const float *const p[3] = {j->p[0] + from, j->p[1] + from, j->p[2] + from};
   float *const out[4] = {j->out[0] + from, j->out[1] + from, j->out[2] + from, j->out[3] + from};
   size_t whole = n / SKF_F32_PAD * SKF_F32_PAD;
-  if (whole > 0) f->ops->add[f->batch.tile->form](f->batch.tile, whole, p, scale, out);
+  if (whole > 0) f->ops->add[f->batch.tile->form](f->batch.tile, whole, p, needed(scale), out);
   if (whole < n) block(j, from + whole, n - whole);
 }
 
