@@ -3,7 +3,7 @@
 #ifndef SKF_FIELD_BATCH_AREA_GAUSSIAN_H
 #define SKF_FIELD_BATCH_AREA_GAUSSIAN_H
 
-#include "field/batch_area.h"
+#include "field/batch_area_slices.h"
 #include "field/batch_segment_smooth.h"
 
 /* Moments of gaussian_span_row for any width up to 1, else those of width 0. */
@@ -99,24 +99,29 @@ SKF_INLINE skf_vd gaussian_change2(const area_row *c, const area_view *f) {
   return c->param2 * (c->diam * c->diam) * vd_max(vd_set(1), c->param2 * f->dist2);
 }
 
-SKF_OUTLINE skf_vvalue gaussian_triangle(const area_row *c, skf_v3d x) {
+SKF_OUTLINE skf_vvalue gaussian_triangle(const gaussian_area_row *row, skf_v3d x) {
+  const area_row *c = &row->area;
   area_view f = area_see(c, x);
   skf_vd zero = vd_set(0), y = c->param2 * f.dist2;
   skf_vi gone = (y > vd_set(VD_EXP_ZERO)) & (y < vd_set(INFINITY));
   skf_vi even = (gaussian_change2(c, &f) < vd_set(0.5)) & (y < vd_set(GAUSSIAN_SEEN)), edges = ~(gone | even);
   skf_vvalue v = {zero, {zero, zero, zero}, gone};
   if (vi_any(even)) v = area_either(even, area_rule(AREA_GAUSSIAN, c, &f, SKF_COUNT(9, 5), even), v);
+  if (!vi_any(edges)) return v;
+  skf_vvalue s = gaussian_slices(row, &f);
+  v = area_either(edges & s.good, s, v), edges &= ~s.good;
   return vi_any(edges) ? area_either(edges, gaussian_edges(c, &f, edges), v) : v;
 }
 
 /* Small triangles where the edges cancel */
-SKF_OUTLINE skf_vvalue gaussian_triangle_small(const area_row *c, skf_v3d x) {
+SKF_OUTLINE skf_vvalue gaussian_triangle_small(const gaussian_area_row *row, skf_v3d x) {
+  const area_row *c = &row->area;
   area_view f = area_see(c, x);
   skf_vi even = (gaussian_change2(c, &f) < vd_set(9)) & (c->param2 * c->diam * c->diam < vd_set(2.25));
   even &= c->param2 * f.dist2 < vd_set(GAUSSIAN_SEEN);
   return vi_any(even) ? area_rule(AREA_GAUSSIAN, c, &f, SKF_COUNT(15, 8), even) : (skf_vvalue){.good = vi_set(0)};
 }
 
-SKF_BATCH_FORM(gaussian_triangle, area, gaussian_triangle_small)
+SKF_BATCH_FORM(gaussian_triangle, gaussian_area, gaussian_triangle_small)
 
 #endif
