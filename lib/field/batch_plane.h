@@ -116,7 +116,7 @@ SKF_INLINE skf_vi inverse_squared_plane_of(const plane_row *c, size_t n, const s
   SKF_EACH(u, n) l[u].top = l[u].top / l[u].bottom;
   SKF_EACH(u, n) slope[u] = vd_set(1) / z[u];
   SKF_EACH(u, n) F[u] = c->slope * vd_log_series(l[u].count, l[u].top);
-  return powers < vd_set(SKF_PICK(460 * 460, 60 * 60));
+  return powers < vd_set(SKF_PICK(460 * 460, 60 * 60) * VD_LOG_UNIT * VD_LOG_UNIT);
 }
 
 SKF_INLINE skf_vi metaball_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {

@@ -63,6 +63,37 @@ SKF_INLINE skf_v3d segment_gradient(const segment_row *c, const segment_view *f,
 
 /* With S = r0 + r1: F = log((S + L)^2 / D), D = S^2 - L^2 = 2 (r0 r1 + d0 d1), grad F = -2 L / D (d0 / r0 + d1 / r1).
    Seen from x the ends are less than 165 degrees apart, else D loses too much. */
+#ifdef SKF_VEC_FLOAT
+/* In floats without what rounding the point hides: d1 as d0 - e; half of the logarithm's arguments, so that nothing is
+   doubled; the strength in the series. */
+typedef struct inverse_segment_state {
+  skf_v3d d0;
+  skf_vd r0, r1, dot, count, t;
+  skf_vi good;
+} inverse_segment_state;
+
+SKF_INLINE void inverse_segment_begin(const segment_row *c, skf_v3d x, inverse_segment_state *s) {
+  skf_v3d d1 = vd3_sub(x, c->to);
+  s->d0 = vd3_sub(x, c->from);
+  s->r0 = vd_sqrt(vd3_dot(s->d0, s->d0)), s->r1 = vd_sqrt(vd3_dot(d1, d1));
+  s->dot = vd3_dot(s->d0, d1);
+}
+
+SKF_INLINE void inverse_segment_middle(const segment_row *c, inverse_segment_state *s) {
+  const skf_vd root = vd_set(0.70710678118654752);
+  skf_vd rr = s->r0 * s->r1, near = rr + s->dot, far = vd_fma(root, s->r0 + s->r1, root * c->L);
+  skf_vlog l = vd_log_parts(far * far, near, (root + root) * c->L * far);
+  /* more than rr / 64, and neither is tiny or huge: near is twice rr at most */
+  s->good = near > vd_fma(rr, vd_fma(rr, vd_set(1e-18), vd_set(1. / 64)), vd_set(1e-18));
+  s->dot = -(c->strength * c->L) / (near * rr);
+  s->t = l.top / l.bottom, s->count = l.count;
+}
+
+SKF_INLINE skf_vvalue inverse_segment_end(const segment_row *c, const inverse_segment_state *s) {
+  skf_vd w = s->dot, F = vd_log_series_by(c->strength, s->count, s->t);
+  return (skf_vvalue){F, vd3_less(vd3_scale(w * (s->r0 + s->r1), s->d0), w * s->r0, c->e), s->good};
+}
+#else
 typedef struct inverse_segment_state {
   skf_v3d d0, d1;
   skf_vd r0, r1, dot; /* dot: then w of the gradient */
@@ -79,7 +110,7 @@ SKF_INLINE void inverse_segment_begin(const segment_row *c, skf_v3d x, inverse_s
 SKF_INLINE void inverse_segment_middle(const segment_row *c, inverse_segment_state *s) {
   skf_vd rr = s->r0 * s->r1, near = rr + s->dot, far = (s->r0 + s->r1) + c->L;
   skf_vlog l = vd_log_parts(far * far, near + near, (c->L + c->L) * far);
-  s->good = (vd_set(SKF_PICK(32, 64)) * near > rr) & vd_sane(rr);
+  s->good = (vd_set(32) * near > rr) & vd_sane(rr);
   s->dot = -(c->strength * c->L) / (near * rr);
   s->t = l.top / l.bottom, s->count = l.count;
 }
@@ -88,6 +119,7 @@ SKF_INLINE skf_vvalue inverse_segment_end(const segment_row *c, const inverse_se
   skf_vd w = s->dot, F = c->strength * vd_log_series(s->count, s->t);
   return (skf_vvalue){F, vd3_mad(vd3_scale(w * s->r1, s->d0), w * s->r0, s->d1), s->good};
 }
+#endif
 
 /* D = 2 n^2 / (r0 r1 - d0 d1) where the sum cancels; int g dt = -2 L S / (D r0 r1). */
 SKF_INLINE skf_vvalue inverse_segment_close(const segment_row *c, skf_v3d x) {

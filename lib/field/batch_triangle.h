@@ -117,7 +117,7 @@ SKF_INLINE void inverse_triangle_middle(const triangle_row *T, inverse_triangle_
   s->good = vd_max(num, vd_abs(den)) > vd_set(SKF_PICK(0x1p-10, 0x1p-5)) * (r[0] * T->twice);
   s->good &= (far[0] + r[2] < T->limit) & ((den > vd_set(0)) | (vd_set(0x1p20) * vd_abs(s->z) > r[0]));
   /* The logarithm's powers of two are few: r0 r1 + d0 d1 > r0 r1 / 100. */
-  s->good &= vd_max(s->count[0], vd_max(s->count[1], s->count[2])) < vd_set(SKF_PICK(10, 9));
+  s->good &= vd_max(s->count[0], vd_max(s->count[1], s->count[2])) < vd_set(SKF_PICK(10, 9) * VD_LOG_UNIT);
   s->good &= cube > vd_set(SKF_PICK(1e-140, 1e-18));
 }
 

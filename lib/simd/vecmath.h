@@ -45,18 +45,21 @@ SKF_INLINE skf_vd vd_halves(const double *c, int n, skf_vd x) {
    rounded to whole exponents from 9/16 on, gives k with n' / d = n / (2^k d) in [0.69, 1.5625]: t = top / bottom =
    (n' - d) / (n' + d), t^2 < 0.0482, and k log 2 is at least twice what log(n' / d) takes off it. */
 typedef struct skf_vlog {
-  skf_vd count, top, bottom;
+  skf_vd count, top, bottom; /* count: k VD_LOG_UNIT */
 } skf_vlog;
+#define VD_LOG_UNIT SKF_PICK(1, 0x1p23) /* as it stands in a float's exponent */
 
 SKF_INLINE skf_vlog vd_log_parts(skf_vd n, skf_vd d, skf_vd dif) {
-  skf_vi k = (skf_vi)((skf_vu)((skf_vi)n - (skf_vi)d + vi_set(7ll << (SKF_MANTISSA - 4))) >> SKF_MANTISSA);
+  skf_vi bits = (skf_vi)n - (skf_vi)d + vi_set(7ll << (SKF_MANTISSA - 4));
 #ifdef SKF_VEC_FLOAT
-  skf_vd count = __builtin_convertvector(k, skf_vd);
+  skf_vi shift = bits & vi_set(-(1ll << SKF_MANTISSA));
+  skf_vd count = __builtin_convertvector(shift, skf_vd);
 #else
+  skf_vi k = (skf_vi)((skf_vu)bits >> SKF_MANTISSA), shift = k << SKF_MANTISSA;
   skf_vd count = (skf_vd)(k | vi_set(0x4330000000000000)) - vd_set(0x1p52);
 #endif
-  skf_vd near = (skf_vd)((skf_vi)n - (k << SKF_MANTISSA));
-  return (skf_vlog){count, vd_select(k == vi_set(0), dif, near - d), near + d};
+  skf_vd near = (skf_vd)((skf_vi)n - shift);
+  return (skf_vlog){count, vd_select(shift == vi_set(0), dif, near - d), near + d};
 }
 
 SKF_INLINE skf_vd vd_log_series(skf_vd count, skf_vd t) {
@@ -70,8 +73,19 @@ SKF_INLINE skf_vd vd_log_series(skf_vd count, skf_vd t) {
 #endif
   skf_vd tt = t * t, twice = t + t;
   skf_vd series = vd_fma(twice * tt, vd_halves(c, sizeof c / sizeof *c, tt), twice);
-  return vd_fma(count, vd_set(0.69314718055994531), series); /* log 2 is off by less than a third of half an ulp */
+  /* log 2 is off by less than a third of half an ulp */
+  return vd_fma(count, vd_set(0.69314718055994531 / VD_LOG_UNIT), series);
 }
+
+#ifdef SKF_VEC_FLOAT
+/* The same times a factor, which is the same for many */
+SKF_INLINE skf_vd vd_log_series_by(skf_vd by, skf_vd count, skf_vd t) {
+  static const double c[] = {0.69314718055994531, 2, 0.6666674920097649, 0.39969239603201616, 0.3025211373701086};
+  skf_vd tt = t * t, s = by * vd_set(c[4]);
+  for (int i = 3; i > 0; i--) s = vd_fma(s, tt, by * vd_set(c[i]));
+  return vd_fma(count, by * vd_set(c[0] / VD_LOG_UNIT), s * t);
+}
+#endif
 
 SKF_INLINE skf_vd vd_log_ratio(skf_vd n, skf_vd d, skf_vd dif) {
   skf_vlog l = vd_log_parts(n, d, dif);
@@ -81,13 +95,15 @@ SKF_INLINE skf_vd vd_log_ratio(skf_vd n, skf_vd d, skf_vd dif) {
 /* The same for log(a), a normal and positive: a = 2^k a', a' in [0.703, 1.407], so that k log 2 is about twice what
    log(a') takes off it. */
 SKF_INLINE skf_vlog vd_log_one(skf_vd a) {
-  skf_vi k = (skf_vi)((skf_vu)((skf_vi)a + vi_set(19ll << (SKF_MANTISSA - 5))) >> SKF_MANTISSA);
+  skf_vi bits = (skf_vi)a + vi_set(19ll << (SKF_MANTISSA - 5));
 #ifdef SKF_VEC_FLOAT
-  skf_vd count = __builtin_convertvector(k, skf_vd) - vd_set(SKF_BIAS);
+  skf_vi shift = (bits - vi_set((long long)SKF_BIAS << SKF_MANTISSA)) & vi_set(-(1ll << SKF_MANTISSA));
+  skf_vd count = __builtin_convertvector(shift, skf_vd), near = (skf_vd)((skf_vi)a - shift);
 #else
+  skf_vi k = (skf_vi)((skf_vu)bits >> SKF_MANTISSA);
   skf_vd count = (skf_vd)(k | vi_set(0x4330000000000000)) - vd_set(0x1p52 + SKF_BIAS);
-#endif
   skf_vd near = (skf_vd)((skf_vi)a - (k << SKF_MANTISSA) + vi_set((long long)SKF_BIAS << SKF_MANTISSA));
+#endif
   return (skf_vlog){count, near - vd_set(1), near + vd_set(1)};
 }
 
