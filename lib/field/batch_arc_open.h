@@ -172,9 +172,9 @@ SKF_OUTLINE skf_vvalue cauchy_arc_careful(const open_arc_row *c, skf_v3d x) {
   open_arc_exact(c, x, 1, &s);
   open_arc_turn(c, &s);
   open_arc_middle(c, &s);
-  skf_vi narrow = s.offset == vd_set(0);
-  skf_vd t = s.angle, tt = t * t, ttt = t * tt, fifth = open_arc_fifth(tt),
-         rest = ttt * vd_fma(tt, fifth, vd_set(-1. / 3));
+  skf_vi narrow = (s.offset == vd_set(0)) & (vd_abs(s.angle) < vd_set(0.415)); /* tan(pi / 8) */
+  skf_vd t = s.angle, tt = t * t, ttt = t * tt, fifth = open_arc_fifth(tt);
+  skf_vd rest = SKF_COUNT(ttt * vd_fma(tt, fifth, vd_set(-1. / 3)), vd_angle_rest(t));
   skf_vd sin2 = c->S2 * s.D2 * s.per_B, cos2 = vd_fnma(vd_set(2), sin2, vd_set(1)), H = c->H * (s.per_B * s.per_B);
   s.angle = s.D * (s.offset + (t + rest));
   skf_vd excess = vd_select(narrow, s.D * vd_fma(t, sin2, rest), vd_fnma(s.X, c->S * s.per_B, s.angle));

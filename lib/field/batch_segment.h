@@ -152,10 +152,52 @@ static double *cauchy_span_pack(const skf_prepared *e, double *k) {
   double p = e->kernel.param, L = p * s->length, axis = 4 / L;
   k = segment_pack(e, k);
   k = pack3(pack3(pack3(k, v3_scale(p, s->a)), v3_scale(1 / p, s->a)), v3_scale(e->strength, s->a));
-  k = pack1(pack1(k, L), fmin(axis * axis, 1e100) - SKF_PICK(256, 1e8));
+  k = pack1(pack1(k, L), fmin(axis * axis, 1e100) - 256);
   return pack1(pack1(k, e->strength / (2 * p)), -p * e->strength);
 }
 
+#ifdef SKF_VEC_FLOAT
+/* In floats: what is too far away for a check at the start is so for that of W^2 P^2 at the end, too. */
+typedef struct cauchy_segment_state {
+  skf_v3d w;
+  skf_vd T0, P2, WW;
+  skf_vd P, per_WW, per_P2, offset, angle; /* set on the way; P: then its inverse */
+} cauchy_segment_state;
+
+SKF_INLINE void cauchy_segment_begin(const cauchy_span_row *c, skf_v3d x, cauchy_segment_state *s) {
+  skf_v3d d = vd3_sub(x, c->at.from);
+  skf_vd T = vd3_dot(d, c->tangent), T1 = c->L - T;
+  skf_v3d w = vd3_less(d, T, c->back);
+  skf_vd P2 = vd_fma(c->at.param2, vd3_dot(w, w), vd_set(1));
+  s->w = w, s->T0 = -T, s->P2 = P2, s->WW = vd_fma(T, T, P2) * vd_fma(T1, T1, P2);
+}
+
+SKF_INLINE void cauchy_segment_turn(const cauchy_span_row *c, cauchy_segment_state *s) {
+  (void)c;
+  s->P = vd_sqrt(s->P2), s->per_WW = vd_set(1) / s->WW, s->per_P2 = vd_set(1) / s->P2;
+}
+
+SKF_INLINE void cauchy_segment_middle(const cauchy_span_row *c, cauchy_segment_state *s) {
+  skf_vangle a = vd_angle_parts(c->L * s->P, vd_fma(s->T0, s->T0 + c->L, s->P2));
+  s->offset = a.offset, s->angle = a.top / a.bottom;
+  s->P *= s->per_P2;
+}
+
+SKF_INLINE void cauchy_segment_series(const cauchy_span_row *c, cauchy_segment_state *s) {
+  (void)c;
+  s->angle = vd_angle_series(s->offset, s->angle);
+}
+
+SKF_INLINE skf_vvalue cauchy_segment_end(const cauchy_span_row *c, const cauchy_segment_state *s) {
+  skf_vd T0 = s->T0, T1 = T0 + c->L, P2 = s->P2, per_P2 = s->per_P2, TT = T0 * T1, sum = T0 + T1;
+  skf_vd L_WW = c->L * s->per_WW, L_WW2 = L_WW * s->per_WW, ends1 = (P2 - TT) * L_WW;
+  skf_vd both = vd_fma(s->angle, s->P, ends1), I2 = both * per_P2, wide = vd_fma(sum, sum, (P2 + P2) - TT);
+  skf_vd ends2 = vd_fms(P2, P2, TT * wide) * L_WW2, g = c->g * per_P2 * vd_fma(vd_set(1.5), I2, ends2);
+  skf_vi good = (vd_fma(vd_set(0.25), ends1, both) > vd_set(0)) & (vd_fma(vd_set(1.25), I2, ends2) > vd_set(0)) &
+                (s->per_WW * per_P2 > vd_set(1e-15));
+  return (skf_vvalue){c->F * I2, vd3_mad(vd3_scale(sum * (wide - TT) * L_WW2, c->along), g, s->w), good};
+}
+#else
 typedef struct cauchy_segment_state {
   skf_v3d w;
   skf_vd T0, P2, W_sum, WW;
@@ -169,7 +211,7 @@ SKF_INLINE void cauchy_segment_begin(const cauchy_span_row *c, skf_v3d x, cauchy
   skf_v3d w = vd3_less(d, T, c->back);
   skf_vd P2 = vd_fma(c->at.param2, vd3_dot(w, w), vd_set(1)), W0 = vd_fma(T, T, P2), W1 = vd_fma(T1, T1, P2);
   s->w = w, s->T0 = -T, s->P2 = P2, s->W_sum = W0 + W1, s->WW = W0 * W1;
-  s->good = vd_fma(vd_set(SKF_PICK(257, 1e8)), P2, c->thin) > W0; /* t^2 < 256 h^2 + (4 / (s^2 L))^2 */
+  s->good = vd_fma(vd_set(257), P2, c->thin) > W0; /* t^2 < 256 h^2 + (4 / (s^2 L))^2 */
 }
 
 SKF_INLINE void cauchy_segment_turn(const cauchy_span_row *c, cauchy_segment_state *s) {
@@ -193,10 +235,10 @@ SKF_INLINE skf_vvalue cauchy_segment_end(const cauchy_span_row *c, const cauchy_
   skf_vd L_WW = c->L * s->per_WW, L_WW2 = L_WW * s->per_WW, ends1 = (P2 - TT) * L_WW, both = s->angle + ends1;
   skf_vd I2 = both * per_P2, wide = vd_fma(sum, sum, (P2 + P2) - TT); /* twice the integral */
   skf_vd ends2 = vd_fms(P2, P2, TT * wide) * L_WW2, g = c->g * per_P2 * vd_fma(vd_set(1.5), I2, ends2);
-  skf_vi good = (both + SKF_PICK(1, 0.25) * ends1 > vd_set(0)) & (ends2 + SKF_PICK(1, 1.25) * I2 > vd_set(0)) &
-                (s->per_WW * per_P2 > vd_set(SKF_PICK(1e-140, 1e-18)));
+  skf_vi good = (both + ends1 > vd_set(0)) & (ends2 + I2 > vd_set(0)) & (s->per_WW * per_P2 > vd_set(1e-140));
   return (skf_vvalue){c->F * I2, vd3_mad(vd3_scale(sum * s->W_sum * L_WW2, c->along), g, s->w), good & s->good};
 }
+#endif
 
 /* cauchy.c's segment, the quotients gathered into two. */
 SKF_INLINE skf_vvalue cauchy_segment_beyond(const cauchy_span_row *row, skf_v3d x) {

@@ -107,11 +107,20 @@ SKF_INLINE skf_vlog vd_log_one(skf_vd a) {
   return (skf_vlog){count, near - vd_set(1), near + vd_set(1)};
 }
 
-/* atan2(y, x) for y >= 0, y and x not both 0, is offset + atan t, |t| = |top / bottom| <= tan(pi / 8). */
+/* atan2(y, x) for y >= 0, y and x not both 0, is offset + atan t, |t| = |top / bottom| <= tan(pi / 8); in floats, whose
+   series is short, <= 1. */
 typedef struct skf_vangle {
   skf_vd offset, top, bottom;
 } skf_vangle;
 
+#ifdef SKF_VEC_FLOAT
+SKF_INLINE skf_vangle vd_angle_parts(skf_vd y, skf_vd x) {
+  skf_vi steep = y > vd_abs(x);
+  skf_vd offset = (skf_vd)((skf_vi)vd_set(3.1415926535897932) & (x < vd_set(0)));
+  return (skf_vangle){vd_select(steep, vd_set(1.5707963267948966), offset), vd_select(steep, -x, y),
+                      vd_select(steep, y, x)};
+}
+#else
 SKF_INLINE skf_vangle vd_angle_parts(skf_vd y, skf_vd x) {
   skf_vd ax = vd_abs(x), low = vd_min(y, ax), high = vd_max(y, ax);
   skf_vi negative = x<vd_set(0), steep = y> ax;
@@ -122,27 +131,45 @@ SKF_INLINE skf_vangle vd_angle_parts(skf_vd y, skf_vd x) {
   offset = vd_select(negative, vd_set(3.1415926535897932) - offset, offset);
   return (skf_vangle){offset, (skf_vd)((skf_vi)top ^ (vi_sign_bit() & (steep ^ negative))), bottom};
 }
+#endif
 
-/* atan(t) - t for |t| <= tan(pi / 8) */
-SKF_INLINE skf_vd vd_angle_rest(skf_vd t) {
-  skf_vd tt = t * t;
 #ifdef SKF_VEC_FLOAT
-  /* (atan(t) / t - 1) / t^2 in t^2: 3e-9 */
-  static const double c[] = {-0.33333331760434555943, 0.19999540314957969397, -0.14263949753605724022,
-                             0.10743668324830098134, -0.064517188693589580726};
-  return t * tt * vd_halves(c, sizeof c / sizeof *c, tt);
+/* atan(t) / t in t^2 up to 1: 2e-8 */
+static const double vd_angle_terms[] = {1,
+                                        -0.33333152735496885,
+                                        0.19993772823016945,
+                                        -0.14211055218589896,
+                                        0.10666004309831008,
+                                        -0.07552213598200953,
+                                        0.043211852838435434,
+                                        -0.016367923170877485,
+                                        0.0029206910390830593};
+#endif
+
+/* atan(t) - t for such a t */
+SKF_INLINE skf_vd vd_angle_rest(skf_vd t) {
+#ifdef SKF_VEC_FLOAT
+  skf_vd tt = t * t;
+  return t * tt * vd_horner(vd_angle_terms + 1, 8, tt);
 #else
-  /* the same as a quotient, in fewer steps: 6e-18 */
+  /* (atan(t) / t - 1) / t^2 in t^2 as a quotient, in fewer steps: 6e-18 */
   static const double p[] = {-14.741484128731191452, -21.743951606571126886, -8.8124881713516473923,
                              -0.84073396818207150867};
   static const double q[] = {44.224452386193603764, 91.766526251410943104, 62.544043529909628945,
                              15.461600818395211201};
-  skf_vd bottom = vd_fma(vd_fma(vd_fma(tt + vd_set(q[3]), tt, vd_set(q[2])), tt, vd_set(q[1])), tt, vd_set(q[0]));
+  skf_vd tt = t * t,
+         bottom = vd_fma(vd_fma(vd_fma(tt + vd_set(q[3]), tt, vd_set(q[2])), tt, vd_set(q[1])), tt, vd_set(q[0]));
   return t * tt * vd_horner(p, 4, tt) / bottom;
 #endif
 }
 
-SKF_INLINE skf_vd vd_angle_series(skf_vd offset, skf_vd t) { return offset + (t + vd_angle_rest(t)); }
+SKF_INLINE skf_vd vd_angle_series(skf_vd offset, skf_vd t) {
+#ifdef SKF_VEC_FLOAT
+  return vd_fma(t, vd_horner(vd_angle_terms, 9, t * t), offset);
+#else
+  return offset + (t + vd_angle_rest(t));
+#endif
+}
 
 SKF_INLINE skf_vd vd_angle(skf_vd y, skf_vd x) {
   skf_vangle a = vd_angle_parts(y, x);
