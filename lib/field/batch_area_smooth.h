@@ -3,6 +3,7 @@
 #ifndef SKF_FIELD_BATCH_AREA_SMOOTH_H
 #define SKF_FIELD_BATCH_AREA_SMOOTH_H
 
+#include "field/batch_area_squared.h"
 #include "field/batch_panel.h"
 
 /* From the edges; their integrals of 1 / (E^2 + s^2 l^2)^k by the span of tan phi = s l / E. */
@@ -101,9 +102,12 @@ SKF_INLINE skf_vvalue squared_edges(const area_row *c, const area_view *f, skf_v
 SKF_OUTLINE skf_vvalue inverse_squared_triangle(const area_row *c, skf_v3d x) {
   area_view f = area_see(c, x);
   skf_vi far = f.dist2 > c->T.far * c->T.far;
-  if (!vi_any(far)) return squared_edges(c, &f, vi_set(-1));
-  skf_vvalue v = area_rule(AREA_SQUARED, c, &f, FAR_NODES, vd_sane(f.dist2));
-  return vi_all(far) ? v : area_either(far, v, squared_edges(c, &f, ~far));
+  skf_vvalue v = {.good = vi_set(0)};
+  if (vi_any(far)) v = area_rule(AREA_SQUARED, c, &f, FAR_NODES, vd_sane(f.dist2));
+  if (vi_all(far)) return v;
+  v = area_either(far, v, squared_closed(c, &f));
+  const skf_vi left = ~(far | v.good);
+  return vi_any(left) ? area_either(left, squared_edges(c, &f, left), v) : v;
 }
 
 SKF_OUTLINE skf_vvalue inverse_squared_triangle_middle(const area_row *c, skf_v3d x) {
