@@ -82,7 +82,10 @@ SKF_INLINE skf_vvalue near_triangle(const triangle_row *T, const skf_v3d a[3], c
 /* The same without the care: not near an edge, and not where the edges' sums lose more than 64, which the distances
    tell: far away, or anywhere for slivers. */
 typedef struct inverse_triangle_state {
-  skf_vd r[3], dot[3], d[3], z;           /* r: squares at first */
+#ifndef SKF_VEC_FLOAT
+  skf_vd dot[3];
+#endif
+  skf_vd r[3], d[3], z;                   /* r: squares at first */
   skf_vd count[3], t[3], offset, tangent; /* set in the middle; then the logarithms, the angle */
   skf_vi good;
 } inverse_triangle_state;
@@ -90,7 +93,10 @@ typedef struct inverse_triangle_state {
 SKF_INLINE void inverse_triangle_begin(const triangle_row *T, skf_v3d x, inverse_triangle_state *s) {
   skf_v3d a[3];
   for (int i = 0; i < 3; i++) a[i] = vd3_sub(T->v[i], x), s->r[i] = vd3_dot(a[i], a[i]);
-  for (int i = 0; i < 3; i++) s->dot[i] = vd3_dot(a[i], a[(i + 1) % 3]), s->d[i] = vd3_dot(a[i], T->m[i]);
+  for (int i = 0; i < 3; i++) s->d[i] = vd3_dot(a[i], T->m[i]);
+#ifndef SKF_VEC_FLOAT
+  for (int i = 0; i < 3; i++) s->dot[i] = vd3_dot(a[i], a[(i + 1) % 3]);
+#endif
   s->z = vd3_dot(a[0], T->n);
 }
 
@@ -99,6 +105,29 @@ SKF_INLINE void inverse_triangle_roots(const triangle_row *T, inverse_triangle_s
   for (int i = 0; i < 3; i++) s->r[i] = vd_sqrt(s->r[i]);
 }
 
+#ifdef SKF_VEC_FLOAT
+/* In floats r0 r1 + d0 d1 = ((r0 + r1)^2 - L^2) / 2 is good enough; the conditions are numbers that must be positive.
+ */
+SKF_INLINE void inverse_triangle_middle(const triangle_row *T, inverse_triangle_state *s) {
+  const skf_vd *r = s->r, az = vd_abs(s->z), num = az * (T->twice + T->twice);
+  skf_vd sum[3], edge = vd_set(81 * VD_LOG_UNIT * VD_LOG_UNIT), cube = r[0] * r[1] * r[2], den = vd_set(-4) * cube;
+  for (int i = 0; i < 3; i++) {
+    int j = (i + 1) % 3, k = (i + 2) % 3;
+    sum[i] = r[i] + r[j];
+    skf_vd far = sum[i] + T->L[i], near = sum[i] - T->L[i];
+    skf_vlog l = vd_log_parts(far, near, T->L[i] + T->L[i]);
+    s->count[i] = l.count, s->t[i] = l.top / l.bottom;
+    edge = vd_fnma(l.count, l.count, edge); /* where `near` is negative these are large, too */
+    den = vd_fma(far * near, r[k], den);
+  }
+  skf_vangle a = vd_angle_parts(num, den);
+  s->offset = a.offset, s->tangent = a.top / a.bottom;
+  /* as for doubles */
+  skf_vd corner = vd_fnma(vd_set(0x1p-4) * T->twice, r[0], vd_max(num, vd_abs(den)));
+  skf_vd face = vd_max(den, vd_fms(vd_set(0x1p20), az, r[0])), nearer = (T->limit - T->L[0]) - (sum[0] + r[2]);
+  s->good = vd_min(vd_min(vd_min(corner, face), vd_min(edge, nearer)), cube - vd_set(1e-18)) > vd_set(0);
+}
+#else
 SKF_INLINE void inverse_triangle_middle(const triangle_row *T, inverse_triangle_state *s) {
   const skf_vd *r = s->r, *dot = s->dot;
   skf_vd rr[3], far[3], num = vd_abs(s->z) * T->twice;
@@ -114,12 +143,13 @@ SKF_INLINE void inverse_triangle_middle(const triangle_row *T, inverse_triangle_
   skf_vangle a = vd_angle_parts(num, den);
   s->offset = a.offset, s->tangent = a.top / a.bottom;
   /* next to a corner z must be taken from there */
-  s->good = vd_max(num, vd_abs(den)) > vd_set(SKF_PICK(0x1p-10, 0x1p-5)) * (r[0] * T->twice);
+  s->good = vd_max(num, vd_abs(den)) > vd_set(0x1p-10) * (r[0] * T->twice);
   s->good &= (far[0] + r[2] < T->limit) & ((den > vd_set(0)) | (vd_set(0x1p20) * vd_abs(s->z) > r[0]));
   /* The logarithm's powers of two are few: r0 r1 + d0 d1 > r0 r1 / 100. */
-  s->good &= vd_max(s->count[0], vd_max(s->count[1], s->count[2])) < vd_set(SKF_PICK(10, 9) * VD_LOG_UNIT);
-  s->good &= cube > vd_set(SKF_PICK(1e-140, 1e-18));
+  s->good &= vd_max(s->count[0], vd_max(s->count[1], s->count[2])) < vd_set(10);
+  s->good &= cube > vd_set(1e-140);
 }
+#endif
 
 SKF_INLINE void inverse_triangle_series(const triangle_row *T, inverse_triangle_state *s) {
   (void)T;

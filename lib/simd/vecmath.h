@@ -53,37 +53,35 @@ SKF_INLINE skf_vlog vd_log_parts(skf_vd n, skf_vd d, skf_vd dif) {
   skf_vi bits = (skf_vi)n - (skf_vi)d + vi_set(7ll << (SKF_MANTISSA - 4));
 #ifdef SKF_VEC_FLOAT
   skf_vi shift = bits & vi_set(-(1ll << SKF_MANTISSA));
-  skf_vd count = __builtin_convertvector(shift, skf_vd);
+  skf_vd count = __builtin_convertvector(shift, skf_vd), near = (skf_vd)((skf_vi)n - shift);
+  skf_vi same = near == n; /* compilers make two steps of shift == 0 */
 #else
-  skf_vi k = (skf_vi)((skf_vu)bits >> SKF_MANTISSA), shift = k << SKF_MANTISSA;
+  skf_vi k = (skf_vi)((skf_vu)bits >> SKF_MANTISSA), same = k == vi_set(0);
   skf_vd count = (skf_vd)(k | vi_set(0x4330000000000000)) - vd_set(0x1p52);
+  skf_vd near = (skf_vd)((skf_vi)n - (k << SKF_MANTISSA));
 #endif
-  skf_vd near = (skf_vd)((skf_vi)n - shift);
-  return (skf_vlog){count, vd_select(shift == vi_set(0), dif, near - d), near + d};
-}
-
-SKF_INLINE skf_vd vd_log_series(skf_vd count, skf_vd t) {
-  /* (atanh(t) / t - 1) / t^2 */
-#ifdef SKF_VEC_FLOAT /* 2e-8 */
-  static const double c[] = {0.3333337460048824336, 0.19984619800160800125, 0.15126056868505431137};
-#else /* 3e-18 */
-  static const double c[] = {0.33333333333333327754,  0.20000000000014813956,  0.14285714279270011385,
-                             0.1111111217730151712,   0.090908226632058733025, 0.076960982004333991369,
-                             0.065752223845082355045, 0.070110979035245868007};
-#endif
-  skf_vd tt = t * t, twice = t + t;
-  skf_vd series = vd_fma(twice * tt, vd_halves(c, sizeof c / sizeof *c, tt), twice);
-  /* log 2 is off by less than a third of half an ulp */
-  return vd_fma(count, vd_set(0.69314718055994531 / VD_LOG_UNIT), series);
+  return (skf_vlog){count, vd_select(same, dif, near - d), near + d};
 }
 
 #ifdef SKF_VEC_FLOAT
-/* The same times a factor, which is the same for many */
+/* The logarithm times a factor, which is the same for many */
 SKF_INLINE skf_vd vd_log_series_by(skf_vd by, skf_vd count, skf_vd t) {
+  /* log 2; 2 atanh(t) / t in t^2: 2e-8 */
   static const double c[] = {0.69314718055994531, 2, 0.6666674920097649, 0.39969239603201616, 0.3025211373701086};
   skf_vd tt = t * t, s = by * vd_set(c[4]);
   for (int i = 3; i > 0; i--) s = vd_fma(s, tt, by * vd_set(c[i]));
   return vd_fma(count, by * vd_set(c[0] / VD_LOG_UNIT), s * t);
+}
+SKF_INLINE skf_vd vd_log_series(skf_vd count, skf_vd t) { return vd_log_series_by(vd_set(1), count, t); }
+#else
+SKF_INLINE skf_vd vd_log_series(skf_vd count, skf_vd t) {
+  /* (atanh(t) / t - 1) / t^2: 3e-18 */
+  static const double c[] = {0.33333333333333327754,  0.20000000000014813956,  0.14285714279270011385,
+                             0.1111111217730151712,   0.090908226632058733025, 0.076960982004333991369,
+                             0.065752223845082355045, 0.070110979035245868007};
+  skf_vd tt = t * t, twice = t + t;
+  skf_vd series = vd_fma(twice * tt, vd_halves(c, sizeof c / sizeof *c, tt), twice);
+  return vd_fma(count, vd_set(0.69314718055994531), series); /* log 2 is off by less than a third of half an ulp */
 }
 #endif
 
