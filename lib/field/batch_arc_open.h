@@ -79,7 +79,8 @@ SKF_INLINE void open_arc_begin(const open_arc_row *c, skf_v3d x, open_arc_state 
 
 /* From w and q; size2: the square of what rounding errors may be compared with */
 SKF_INLINE skf_vd open_arc_form(const open_arc_row *c, skf_vd w, skf_vd q, skf_vd y, open_arc_state *s) {
-  skf_vd R = vd_fma(s->t, s->t, vd_fma(s->u, s->u, q)), D2 = vd_fma(w, w, q * ((w + w) + (q + c->four)));
+  skf_vd R = vd_fma(s->t, s->t, vd_fma(s->u, s->u, q));
+  skf_vd D2 = vd_fma(w, w, q * SKF_COUNT((w + w) + (q + c->four), vd_fma(vd_set(2), w, q + c->four)));
   skf_vd X = vd_fma(c->C, R, vd_fma(c->side, s->u, c->base)), B = vd_fma(D2, c->S2, X * X);
   skf_vd size = (R + vd_abs(y)) + c->size;
   s->v = w + q, s->X = X, s->D2 = D2, s->B = B, s->D = vd_sqrt(D2);
@@ -94,12 +95,12 @@ SKF_INLINE void open_arc_look(const open_arc_row *c, double least, double near, 
   if (least == 0) s->good &= size2 > vd_set(SKF_PICK(1e-70, 1e-16));
 }
 
-#define cauchy_arc_begin          open_arc_begin
-#define inverse_squared_arc_begin open_arc_begin
 SKF_INLINE void cauchy_arc_look(const open_arc_row *c, open_arc_state *s) { open_arc_look(c, 1, SKF_PICK(16, 64), s); }
 SKF_INLINE void inverse_squared_arc_look(const open_arc_row *c, open_arc_state *s) {
   open_arc_look(c, 0, SKF_PICK(1024, 64), s);
 }
+#define cauchy_arc_begin          open_arc_begin
+#define inverse_squared_arc_begin open_arc_begin
 
 /* The same where w and z need the lower halves of the coordinates: w = |d|^2 - rho^2 - z^2 */
 SKF_INLINE void open_arc_exact(const open_arc_row *c, skf_v3d x, double least, open_arc_state *s) {
@@ -134,8 +135,6 @@ SKF_INLINE void open_arc_pull(const open_arc_row *c, open_arc_state *s, skf_vd M
 SKF_INLINE skf_vvalue open_arc_end(const open_arc_row *c, const open_arc_state *s) {
   return (skf_vvalue){s->angle, vd3_mad(vd3_mad(vd3_scale(s->u, c->up), s->t, c->on), s->z, c->over), s->good};
 }
-#define cauchy_arc_end          open_arc_end
-#define inverse_squared_arc_end open_arc_end
 
 SKF_INLINE void cauchy_arc_series(const open_arc_row *c, open_arc_state *s) {
   (void)c;
@@ -145,7 +144,7 @@ SKF_INLINE void cauchy_arc_series(const open_arc_row *c, open_arc_state *s) {
 /* From K and L D^2 */
 SKF_INLINE skf_vd cauchy_arc_force(const open_arc_row *c, open_arc_state *s, skf_vd K, skf_vd LD2, skf_vd H) {
   skf_vd C = c->C, a = s->v + c->two, M = vd_fma(a * s->per_D2, LD2, C * H);
-  skf_vd N = vd_fma(a, H, (c->CH2 * s->X) * (s->per_B * s->per_B));
+  skf_vd N = SKF_COUNT(vd_fma(a, H, (c->CH2 * s->X) * (s->per_B * s->per_B)), H * vd_fma(s->X, c->CH2 / c->H, a));
   open_arc_pull(c, s, M, N, vd_fma(c->versed, N, K));
   s->angle = c->F * vd_fma(a, K, C * (c->ends * s->per_B));
   return vd_fma(a, M, vd_fms(C, N, K));
@@ -153,7 +152,7 @@ SKF_INLINE skf_vd cauchy_arc_force(const open_arc_row *c, open_arc_state *s, skf
 
 SKF_INLINE void cauchy_arc_gather(const open_arc_row *c, open_arc_state *s) {
   skf_vd I1 = s->angle + s->angle, H = c->H * (s->per_B * s->per_B), r = (s->v + c->two) * s->per_D2;
-  skf_vd K = vd_fnma(c->ends * s->X, s->per_B, I1) * s->per_D2;
+  skf_vd K = SKF_COUNT(vd_fnma(c->ends * s->X, s->per_B, I1), vd_fnma(c->ends * s->per_B, s->X, I1)) * s->per_D2;
   skf_vd I3 = cauchy_arc_force(c, s, K, vd_fnma(s->X, H, vd_set(3) * K), H);
   s->good &= vd_set(16) * I3 > I1 * (r * r);
 }
@@ -209,9 +208,36 @@ SKF_OUTLINE skf_vvalue inverse_squared_arc_careful(const open_arc_row *c, skf_v3
   return open_arc_end(c, &s);
 }
 
+#ifdef SKF_VEC_FLOAT
+SKF_INLINE void cauchy_arc_seen(const open_arc_row *c, open_arc_state *s) {
+  cauchy_arc_look(c, s);
+  open_arc_turn(c, s);
+}
+SKF_INLINE void inverse_squared_arc_seen(const open_arc_row *c, open_arc_state *s) {
+  inverse_squared_arc_look(c, s);
+  open_arc_turn(c, s);
+}
+SKF_INLINE skf_vvalue cauchy_arc_end(const open_arc_row *c, const open_arc_state *s) {
+  open_arc_state f = *s;
+  cauchy_arc_gather(c, &f);
+  return open_arc_end(c, &f);
+}
+SKF_INLINE skf_vvalue inverse_squared_arc_end(const open_arc_row *c, const open_arc_state *s) {
+  open_arc_state f = *s;
+  inverse_squared_arc_gather(c, &f);
+  return open_arc_end(c, &f);
+}
+SKF_BATCH_SCALED(cauchy_arc, open_arc, cauchy_arc_careful, cauchy_arc_seen, open_arc_middle, cauchy_arc_series)
+SKF_BATCH_SCALED(inverse_squared_arc, squared_arc, inverse_squared_arc_careful, inverse_squared_arc_seen,
+                 open_arc_middle, inverse_squared_arc_series)
+#else
+#define cauchy_arc_end          open_arc_end
+#define inverse_squared_arc_end open_arc_end
 SKF_BATCH_LONG(cauchy_arc, open_arc, cauchy_arc_careful, cauchy_arc_look, open_arc_turn, open_arc_middle,
                cauchy_arc_series, cauchy_arc_gather)
 SKF_BATCH_LONG(inverse_squared_arc, squared_arc, inverse_squared_arc_careful, inverse_squared_arc_look, open_arc_turn,
                open_arc_middle, inverse_squared_arc_series, inverse_squared_arc_gather)
+
+#endif
 
 #endif

@@ -86,8 +86,10 @@ SKF_INLINE void inverse_arc_duplications(const arc_row *c, inverse_arc_state *s)
   vd_carlson_twice(&s->d, 0x1p-6);
   vd_carlson_roots(&s->d);
   vd_carlson_twice(&s->d, 0x1p-8);
+#ifndef SKF_VEC_FLOAT
   vd_carlson_roots(&s->d);
   vd_carlson_twice(&s->d, 0x1p-10);
+#endif
 }
 
 SKF_INLINE skf_vvalue inverse_arc_finish(const arc_row *c, const inverse_arc_state *s, double scale) {
@@ -108,7 +110,7 @@ SKF_INLINE skf_vvalue inverse_arc_finish(const arc_row *c, const inverse_arc_sta
 }
 
 SKF_INLINE skf_vvalue inverse_arc_end(const arc_row *c, const inverse_arc_state *s) {
-  return inverse_arc_finish(c, s, 0x1p-10);
+  return inverse_arc_finish(c, s, SKF_COUNT(0x1p-10, 0x1p-8));
 }
 
 /* With three duplications more */
@@ -118,11 +120,12 @@ SKF_OUTLINE skf_vvalue inverse_arc_slow(const arc_row *c, skf_v3d x) {
   inverse_arc_ends(c, &s);
   inverse_arc_arguments(c, &s);
   inverse_arc_duplications(c, &s);
-  for (double scale = 0x1p-12; scale >= 0x1p-14; scale *= 0.25) {
+  const double last = SKF_COUNT(0x1p-14, 0x1p-12);
+  for (double scale = 4 * last; scale >= last; scale *= 0.25) {
     vd_carlson_roots(&s.d);
     vd_carlson_twice(&s.d, scale);
   }
-  return inverse_arc_finish(c, &s, 0x1p-14);
+  return inverse_arc_finish(c, &s, last);
 }
 
 /* From delta, int cos^2 and int sin^2 of the span in which r^2 = alpha cos^2 chi + beta sin^2 chi is 1. */

@@ -97,9 +97,6 @@ SKF_INLINE skf_vvalue inverse_circle_end(const circle_row *c, const inverse_circ
   return (skf_vvalue){c->F * e.K * ((s->a + s->g) * top), vd3_less(g, c->F * (along * s->z), c->n), s->good};
 }
 
-#ifdef SKF_VEC_FLOAT
-#define inverse_circle_next skf_again_none
-#else
 /* Next to the circle, down to r_near = r_far / 1000: k^2 - R^2 and z from the lower halves of the coordinates, and two
    steps more, (a + g) / 2 and sqrt(a g), before the series: p = 1 / M = 2 K(q^2) / (a + g) has slopes of one sign. */
 SKF_OUTLINE skf_vvalue inverse_circle_next(const circle_row *c, skf_v3d x) {
@@ -117,10 +114,9 @@ SKF_OUTLINE skf_vvalue inverse_circle_next(const circle_row *c, skf_v3d x) {
   skf_vd F = half * c->F, across = two * F * vd_fma(by_D, less + zz, by_s), along = two * F * vd_fma(by_D, s, by_s);
   skf_v3d w = vd3_less(d, z, c->n), g = vd3_scale(across, w);
   return (skf_vvalue){F * two * e.K * per, vd3_less(g, -along * z, c->n),
-                      (vd_set(2.5e5) * D > vd_set(500) * s) & (s < vd_set(1e70)) & (s > vd_set(1e-70)) &
-                          (vd_set(16) * D < s)};
+                      (vd_set(2.5e5) * D > vd_set(500) * s) & (s < vd_set(SKF_PICK(1e70, 1e9))) &
+                          (s > vd_set(SKF_PICK(1e-70, 1e-9))) & (vd_set(16) * D < s)};
 }
-#endif
 
 SKF_BATCH_CROSSED(inverse_circle, circle, inverse_circle_next, inverse_circle_roots, inverse_circle_quotients,
                   skf_stage_none)
