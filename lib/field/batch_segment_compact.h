@@ -61,6 +61,68 @@ SKF_INLINE skf_vvalue clip_result(const segment_row *c, const segment_view *f, c
   return (skf_vvalue){F, segment_gradient(c, f, g, ends), ~v->near & (f->n0 + f->n1 < vd_set(INFINITY))};
 }
 
+#ifdef SKF_VEC_FLOAT
+/* In lengths of R, T half the chord that the ball cuts from the segment's line, gap_lo and gap_hi what of it lies
+   beyond the segment, half of the rest c long: there m = (A - half s)(B + half s) = p + e s - c s^2, s from -1 to 1,
+   whose powers' means M1, M2, M3 are sums of few terms that hardly cancel. That the gaps are differences is what
+   rounding the point does, too. */
+typedef struct chord_row {
+  skf_v3d from, tangent, back, along; /* 1 / R, R and the strength times the direction */
+  skf_vd L, per_R2, F, g, ends;       /* L / R; factors of the results */
+} chord_row;
+
+static double *chord_pack(const skf_prepared *e, double *k) {
+  const skf_segment_plan *s = &e->plan.segment;
+  double R = e->kernel.param;
+  k = pack3(pack3(k, e->primitive.segment.from), v3_scale(1 / R, s->a));
+  k = pack3(pack3(k, v3_scale(R, s->a)), v3_scale(e->strength, s->a));
+  k = pack1(pack1(k, s->length / R), 1 / (R * R));
+  return pack1(pack1(pack1(k, 2 * R * e->strength), -4 / R * e->strength), -2);
+}
+
+typedef struct chord_state {
+  skf_v3d w;
+  skf_vd t, T2, T; /* t: the foot of the perpendicular from `from` on */
+} chord_state;
+typedef chord_state quartic_segment_state, soft_object_segment_state;
+
+SKF_INLINE void chord_begin(const chord_row *c, skf_v3d x, chord_state *s) {
+  skf_v3d d = vd3_sub(x, c->from);
+  s->t = vd3_dot(d, c->tangent);
+  s->w = vd3_less(d, s->t, c->back);
+  s->T2 = vd_fnma(vd3_dot(s->w, s->w), c->per_R2, vd_set(1));
+  s->T = vd_sqrt(vd_max(s->T2, vd_set(0)));
+}
+#define quartic_segment_begin     chord_begin
+#define soft_object_segment_begin chord_begin
+
+/* m^2 (c2 + c3 m) */
+SKF_INLINE skf_vvalue chord_end(const chord_row *c, const chord_state *s, bool cubic) {
+  const double c2 = cubic ? 5. / 9 : 1, c3 = 4. / 9;
+  const skf_vd zero = vd_set(0);
+  skf_vd gap_lo = vd_max(s->T - s->t, zero), gap_hi = vd_max((s->T + s->t) - c->L, zero);
+  skf_vd half = vd_max(vd_fnma(vd_set(0.5), gap_lo + gap_hi, s->T), zero), A = gap_hi + half, B = gap_lo + half;
+  skf_vd p = A * B, cc = half * half, e = half * (gap_hi - gap_lo), ee = e * e, pc = p - cc;
+  skf_vd M1 = vd_fnma(vd_set(1. / 3), cc, p), M2 = p * vd_fnma(vd_set(2. / 3), cc, p);
+  M2 = vd_fma(vd_set(1. / 3), ee, vd_fma(vd_set(0.2) * cc, cc, M2));
+  skf_vd F = vd_set(c2) * M2, g = vd_set(2 * c2) * M1, ends = vd_set(2 * c2) * pc;
+  if (cubic) {
+    skf_vd M3 = vd_fma(p, vd_fma(p, pc, vd_set(0.6) * cc * cc), ee * vd_fnma(vd_set(0.6), cc, p));
+    F = vd_fma(vd_set(c3), vd_fnma(vd_set(1. / 7) * cc * cc, cc, M3), F);
+    g = vd_fma(vd_set(3 * c3), M2, g);
+    ends = vd_fma(vd_set(c3), vd_fma(vd_set(3) * pc, pc, ee), ends);
+  }
+  return (skf_vvalue){c->F * half * F, vd3_mad(vd3_scale(c->ends * e * ends, c->along), c->g * half * g, s->w),
+                      s->T2 > vd_set(-INFINITY)};
+}
+SKF_INLINE skf_vvalue quartic_segment_end(const chord_row *c, const chord_state *s) { return chord_end(c, s, false); }
+SKF_INLINE skf_vvalue soft_object_segment_end(const chord_row *c, const chord_state *s) {
+  return chord_end(c, s, true);
+}
+
+SKF_BATCH_WOVEN(quartic_segment, chord, skf_again_none, skf_stage_none, skf_stage_none, skf_stage_none)
+SKF_BATCH_WOVEN(soft_object_segment, chord, skf_again_none, skf_stage_none, skf_stage_none, skf_stage_none)
+#else
 typedef struct compact_segment_state {
   segment_view f;
   clip_view v;
@@ -115,6 +177,12 @@ SKF_OUTLINE skf_vvalue quartic_segment_rim(const segment_row *c, skf_v3d x) { re
 SKF_OUTLINE skf_vvalue soft_object_segment_rim(const segment_row *c, skf_v3d x) {
   return polynomial_rim(c, x, 5. / 9, 4. / 9);
 }
+
+SKF_BATCH_STAGED(quartic_segment, segment, quartic_segment_rim, compact_segment_chord, compact_segment_clip,
+                 skf_stage_none)
+SKF_BATCH_STAGED(soft_object_segment, segment, soft_object_segment_rim, compact_segment_chord, compact_segment_clip,
+                 skf_stage_none)
+#endif
 
 /* A part of the segment in the metaball's shell: R / 3 <= r <= R from abscissa a to b; gaps to the ends of the chord.
  */
@@ -214,11 +282,6 @@ SKF_INLINE skf_vvalue metaball_clipped(const segment_row *c, skf_v3d x, bool exa
   s.F += sa.F + sb.F, s.g += sa.g + sb.g;
   return clip_result(c, &f, &v, s.F, s.g, shell_ends(c, &v, r0, r1));
 }
-
-SKF_BATCH_STAGED(quartic_segment, segment, quartic_segment_rim, compact_segment_chord, compact_segment_clip,
-                 skf_stage_none)
-SKF_BATCH_STAGED(soft_object_segment, segment, soft_object_segment_rim, compact_segment_chord, compact_segment_clip,
-                 skf_stage_none)
 
 #ifndef SKF_VEC_FLOAT /* floats leave twice the error that they may */
 SKF_OUTLINE skf_vvalue metaball_segment(const segment_row *c, skf_v3d x) { return metaball_clipped(c, x, false); }
