@@ -55,6 +55,7 @@ SKF_INLINE skf_vvalue arc_finish(const arc_row *c, const arc_view *f, skf_vd F, 
   return (skf_vvalue){F, vd3_mad(g, f->z * (cc + ss), c->n), good & f->good};
 }
 
+#ifndef SKF_VEC_FLOAT
 typedef struct cauchy_factors {
   skf_vd Pm, Pp, D, per_D, im, ip;
   skf_vi good;
@@ -82,5 +83,6 @@ SKF_INLINE skf_vvalue cauchy_circle(const arc_row *c, skf_v3d x) {
 }
 
 SKF_BATCH_FORM(cauchy_circle, arc, skf_again_none)
+#endif
 
 #endif

@@ -128,6 +128,7 @@ SKF_OUTLINE skf_vvalue inverse_arc_slow(const arc_row *c, skf_v3d x) {
   return inverse_arc_finish(c, &s, last);
 }
 
+#ifndef SKF_VEC_FLOAT
 /* From delta, int cos^2 and int sin^2 of the span in which r^2 = alpha cos^2 chi + beta sin^2 chi is 1. */
 SKF_INLINE skf_vvalue squared_gather(const arc_row *c, const arc_view *f, skf_vd per_D, skf_vd delta, skf_vd c2,
                                      skf_vd s2, skf_vd ends, skf_vi good) {
@@ -140,6 +141,9 @@ SKF_INLINE skf_vvalue inverse_squared_circle(const arc_row *c, skf_v3d x) {
   skf_vd DD = f.alpha * f.beta, D = vd_sqrt(DD), half = vd_set(SKF_PI / 2);
   return squared_gather(c, &f, vd_set(1) / D, half + half, half, half, vd_set(0), vd_sane(DD * D));
 }
+
+SKF_BATCH_FORM(inverse_squared_circle, arc, skf_again_none)
+#endif
 
 /* gaussian.c's circle, b = 2 a^2 rho k. */
 SKF_INLINE skf_vvalue gaussian_circle(const arc_row *c, skf_v3d x) {
@@ -164,7 +168,6 @@ SKF_INLINE skf_vvalue gaussian_circle(const arc_row *c, skf_v3d x) {
 }
 
 SKF_BATCH_STAGED(inverse_arc, arc, inverse_arc_slow, inverse_arc_ends, inverse_arc_arguments, inverse_arc_duplications)
-SKF_BATCH_FORM(inverse_squared_circle, arc, skf_again_none)
 SKF_BATCH_FORM(gaussian_circle, arc, skf_again_none)
 
 #endif
