@@ -164,6 +164,45 @@ SKF_INLINE skf_vvalue inverse_squared_segment_close(const squared_span_row *row,
 }
 
 /* With W = h^2 + t^2 at the ends: -int g dt = (F + [t / W]) / h^2, which cancels beyond the ends. */
+#ifdef SKF_VEC_FLOAT
+typedef struct inverse_squared_segment_state {
+  skf_v3d w;
+  skf_vd t0, h2, WW, h, inv; /* inv: 1 / (WW h^2) */
+  skf_vd offset, t;
+} inverse_squared_segment_state;
+
+SKF_INLINE void inverse_squared_segment_begin(const squared_span_row *c, skf_v3d x, inverse_squared_segment_state *s) {
+  skf_v3d d = vd3_sub(c->s.from, x);
+  skf_vd t0 = vd3_dot(d, c->s.a), t1 = t0 + c->s.L;
+  skf_v3d w = vd3_less(d, t0, c->s.a);
+  skf_vd h2 = vd3_dot(w, w);
+  s->w = w, s->t0 = t0, s->h2 = h2, s->WW = vd_fma(t0, t0, h2) * vd_fma(t1, t1, h2);
+}
+
+SKF_INLINE void inverse_squared_segment_turn(const squared_span_row *c, inverse_squared_segment_state *s) {
+  (void)c;
+  s->h = vd_sqrt(s->h2), s->inv = vd_set(1) / (s->WW * s->h2);
+}
+
+SKF_INLINE void inverse_squared_segment_middle(const squared_span_row *c, inverse_squared_segment_state *s) {
+  skf_vangle angle = vd_angle_parts(s->h * c->s.L, vd_fma(s->t0, s->t0 + c->s.L, s->h2));
+  s->offset = angle.offset, s->t = angle.top / angle.bottom;
+}
+
+SKF_INLINE void inverse_squared_segment_series(const squared_span_row *c, inverse_squared_segment_state *s) {
+  (void)c;
+  s->t = vd_angle_series(s->offset, s->t);
+}
+
+SKF_INLINE skf_vvalue inverse_squared_segment_end(const squared_span_row *c, const inverse_squared_segment_state *s) {
+  skf_vd per_h2 = s->inv * s->WW, L_WW = c->s.L * (s->inv * s->h2), F = s->t * (s->h * per_h2);
+  skf_vd t1 = s->t0 + c->s.L, ends1 = vd_fnma(s->t0, t1, s->h2) * L_WW, both = F + ends1;
+  skf_v3d g = vd3_mad(vd3_scale((s->t0 + t1) * L_WW, c->along), c->s.strength * per_h2 * both, s->w);
+  return (skf_vvalue){c->s.strength * F, g,
+                      (vd_fma(vd_set(0.25), ends1, both) > vd_set(0)) & (s->inv > vd_set(1e-18)) &
+                          (s->inv < vd_set(1e18))};
+}
+#else
 typedef struct inverse_squared_segment_state {
   skf_v3d w;
   skf_vd t0, t1, h, h2, WW, inv;
@@ -178,8 +217,7 @@ SKF_INLINE void inverse_squared_segment_begin(const squared_span_row *c, skf_v3d
   skf_vd h2 = vd3_dot(w, w), W0 = vd_fma(t0, t0, h2), WW = W0 * vd_fma(t1, t1, h2), bottom = WW * h2;
   s->w = w, s->t0 = t0, s->t1 = t1, s->h2 = h2, s->WW = WW;
   s->h = vd_sqrt(h2), s->inv = vd_set(1) / bottom;
-  s->good = (bottom > vd_set(SKF_PICK(1e-140, 1e-18))) & (bottom < vd_set(SKF_PICK(1e140, 1e18))) &
-            (vd_set(SKF_PICK(1601, 1e8)) * h2 > W0);
+  s->good = (bottom > vd_set(1e-140)) & (bottom < vd_set(1e140)) & (vd_set(1601) * h2 > W0);
 }
 
 SKF_INLINE void inverse_squared_segment_middle(const squared_span_row *c, inverse_squared_segment_state *s) {
@@ -196,14 +234,19 @@ SKF_INLINE skf_vvalue inverse_squared_segment_end(const squared_span_row *c, con
   skf_vd per_h2 = s->inv * s->WW, L_WW = c->s.L * (s->inv * s->h2), F = s->t * (s->h * per_h2);
   skf_vd ends1 = vd_fnma(s->t0, s->t1, s->h2) * L_WW, both = F + ends1;
   skf_v3d g = vd3_mad(vd3_scale((s->t0 + s->t1) * L_WW, c->along), c->s.strength * per_h2 * both, s->w);
-  return (skf_vvalue){c->s.strength * F, g,
-                      s->good & (vd_fma(vd_set(SKF_PICK(0.03125, 0.25)), ends1, both) > vd_set(0))};
+  return (skf_vvalue){c->s.strength * F, g, s->good & (vd_fma(vd_set(0.03125), ends1, both) > vd_set(0))};
 }
+#endif
 
 SKF_BATCH_FORM(gaussian_segment_short, gaussian_span, skf_again_none)
 SKF_BATCH_SCALED(gaussian_segment, gaussian_span, gaussian_segment_careful, gaussian_segment_exp, gaussian_segment_erfc,
                  skf_stage_none)
+#ifdef SKF_VEC_FLOAT
+SKF_BATCH_CROSSED(inverse_squared_segment, squared_span, inverse_squared_segment_close, inverse_squared_segment_turn,
+                  inverse_squared_segment_middle, inverse_squared_segment_series)
+#else
 SKF_BATCH_CROSSED(inverse_squared_segment, squared_span, inverse_squared_segment_close, inverse_squared_segment_middle,
                   inverse_squared_segment_series, skf_stage_none)
+#endif
 
 #endif
