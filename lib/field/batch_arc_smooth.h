@@ -84,9 +84,9 @@ SKF_INLINE void inverse_arc_duplications(const arc_row *c, inverse_arc_state *s)
   vd_carlson_twice(&s->d, 0x1p-4);
   vd_carlson_roots(&s->d);
   vd_carlson_twice(&s->d, 0x1p-6);
+#ifndef SKF_VEC_FLOAT
   vd_carlson_roots(&s->d);
   vd_carlson_twice(&s->d, 0x1p-8);
-#ifndef SKF_VEC_FLOAT
   vd_carlson_roots(&s->d);
   vd_carlson_twice(&s->d, 0x1p-10);
 #endif
@@ -110,7 +110,7 @@ SKF_INLINE skf_vvalue inverse_arc_finish(const arc_row *c, const inverse_arc_sta
 }
 
 SKF_INLINE skf_vvalue inverse_arc_end(const arc_row *c, const inverse_arc_state *s) {
-  return inverse_arc_finish(c, s, SKF_COUNT(0x1p-10, 0x1p-8));
+  return inverse_arc_finish(c, s, SKF_COUNT(0x1p-10, 0x1p-6));
 }
 
 /* With three duplications more */
@@ -120,7 +120,7 @@ SKF_OUTLINE skf_vvalue inverse_arc_slow(const arc_row *c, skf_v3d x) {
   inverse_arc_ends(c, &s);
   inverse_arc_arguments(c, &s);
   inverse_arc_duplications(c, &s);
-  const double last = SKF_COUNT(0x1p-14, 0x1p-12);
+  const double last = SKF_COUNT(0x1p-14, 0x1p-10);
   for (double scale = 4 * last; scale >= last; scale *= 0.25) {
     vd_carlson_roots(&s.d);
     vd_carlson_twice(&s.d, scale);
