@@ -70,7 +70,8 @@ SKF_INLINE squared_ends squared_from(const skf_vd l[2], skf_vd d, skf_vd c, skf_
   return e;
 }
 
-/* Over the triangle and higher than beside it base = |z|; else the distance, any constant being allowed, and the
+/* Over the triangle, where the height is known better than the edges' lines, so that only these may not be next to the
+   foot, and higher than beside it base = |z|; else the distance, any constant being allowed, and the
    gradient's part across without the angles about the foot, that add up to 0. */
 SKF_INLINE skf_vvalue squared_closed(const area_row *c, const area_view *f) {
   const skf_vd zero = vd_set(0), one = vd_set(1), least = vd_set(SKF_PICK(1e-60, 1e-12));
@@ -78,7 +79,7 @@ SKF_INLINE skf_vvalue squared_closed(const area_row *c, const area_view *f) {
   const skf_vi above = f->inside | (f->zz >= f->lat2);
   const skf_vd base2 = vd_select(above, f->zz, f->dist2), diam2 = c->diam * c->diam;
   const skf_vd per_z = (skf_vd)((skf_vi)(one / vd_select(f->z == zero, one, f->z)) & (f->z != zero));
-  skf_vi good = (vd_set(1 << 16) * f->dist2 > diam2) & vd_sane(f->dist2) & vd_sane(diam2);
+  skf_vi good = (vd_set(SKF_PICK(0x1p60, 0x1p16)) * f->dist2 > diam2) & vd_sane(f->dist2) & vd_sane(diam2);
   for (int i = 0; i < 3; i++) {
     skf_vd d = vd_max(vd_abs(f->d[i]), vd_set(SKF_PICK(1e-30, 1e-6)) * c->diam), cc = vd_fma(d, d, f->zz);
     skf_vd h = vd_sqrt(cc), g = h + d, gg = g * g, zz = vd_max(f->zz, least * gg);
