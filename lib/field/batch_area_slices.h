@@ -119,7 +119,7 @@ SKF_INLINE slices_view slices_see(const gaussian_area_row *c, const area_view *f
   return v;
 }
 
-/* exp(y^2) int exp(-x^2 - y^2) dx from |x| on, with the sign of x; e = exp(-x^2 - y^2) */
+/* e int exp(x^2 - v^2) dv from |x| on, with the sign of x */
 SKF_INLINE skf_vd slices_rest(skf_vd e, skf_vd x) {
   return (skf_vd)((skf_vi)(e * vd_erfc_scaled(vd_abs(x))) ^ vd_sign(x));
 }
@@ -127,28 +127,27 @@ SKF_INLINE skf_vd slices_rest(skf_vd e, skf_vd x) {
 SKF_INLINE skf_vvalue gaussian_slices(const gaussian_area_row *c, const area_view *f) {
   const skf_vd zero = vd_set(0);
   slices_view v = slices_see(c, f);
-  skf_vd J[3] = {zero, zero, zero}, F = zero;
+  skf_vd J[3] = {zero, zero, zero}, right = zero, left = zero, whole = zero;
   for (int j = 0; j < SLICES_PAIRS && vi_any(vd_set(j) < c->pairs); j++) {
-    skf_vd n = c->node[j], up[4], down[4];
+    const skf_vd n = c->node[j];
+    skf_vd up[4], down[4];
     for (int i = 0; i < 4; i++) {
       slices_pair p = slices_exp(v.slope[i] * n);
-      skf_vd w = c->weight[i][j] * v.even[i];
-      up[i] = w * p.less, down[i] = w * p.more;
+      up[i] = c->weight[i][j] * p.less, down[i] = c->weight[i][j] * p.more;
       if (i < 3) J[i] += up[i] + down[i];
     }
     skf_vd xr = vd_fma(c->right, n, v.right), xl = vd_fma(c->left, n, v.left);
-    skf_vi all = (skf_vi)xr ^ (skf_vi)xl;
-    skf_vd part = slices_rest(up[2], xl) - slices_rest(up[1], xr);
-    F += part + (skf_vd)((skf_vi)(vd_set(1.7724538509055160273) * up[3]) & (all < vi_set(0)));
-    xr = vd_fnma(c->right, n, v.right), xl = vd_fnma(c->left, n, v.left), all = (skf_vi)xr ^ (skf_vi)xl;
-    part = slices_rest(down[2], xl) - slices_rest(down[1], xr);
-    F += part + (skf_vd)((skf_vi)(vd_set(1.7724538509055160273) * down[3]) & (all < vi_set(0)));
+    right += slices_rest(up[1], xr), left += slices_rest(up[2], xl);
+    whole += (skf_vd)((skf_vi)up[3] & (((skf_vi)xr ^ (skf_vi)xl) < vi_set(0)));
+    xr = vd_fnma(c->right, n, v.right), xl = vd_fnma(c->left, n, v.left);
+    right += slices_rest(down[1], xr), left += slices_rest(down[2], xl);
+    whole += (skf_vd)((skf_vi)down[3] & (((skf_vi)xr ^ (skf_vi)xl) < vi_set(0)));
   }
-  const skf_vd per = c->area.per_param;
-  F *= c->half[3] * c->area.per_param2;
+  skf_vd F = vd_fms(v.even[2], left, v.even[1] * right);
+  F = vd_fma(vd_set(1.7724538509055160273) * v.even[3], whole, F) * (c->half[3] * c->area.per_param2);
   area_sum sum = {.F = F, .abs_F = F, .Z = vd_set(-2) * c->area.param2 * f->z * F};
   sum.abs_Z = vd_abs(sum.Z);
-  for (int i = 0; i < 3; i++) sum.J[i] = per * c->half[i] * J[i];
+  for (int i = 0; i < 3; i++) sum.J[i] = c->area.per_param * c->half[i] * (v.even[i] * J[i]);
   return area_gather(&c->area, f, &sum, v.good);
 }
 
