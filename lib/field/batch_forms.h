@@ -52,6 +52,8 @@ static inline bool skf_form_long_segment(const skf_prepared *e) {
   X(quartic_circle, SKF_QUARTIC, SKF_ARC, skf_form_circle)                                                             \
   X(soft_object_arc, SKF_SOFT_OBJECT, SKF_ARC, skf_form_long_arc)                                                      \
   X(soft_object_circle, SKF_SOFT_OBJECT, SKF_ARC, skf_form_circle)                                                     \
+  X(metaball_arc, SKF_METABALL, SKF_ARC, skf_form_long_arc)                                                            \
+  X(metaball_circle, SKF_METABALL, SKF_ARC, skf_form_circle)                                                           \
   X(cauchy_triangle, SKF_CAUCHY, SKF_TRIANGLE, skf_form_any)                                                           \
   X(quartic_triangle, SKF_QUARTIC, SKF_TRIANGLE, skf_form_any)                                                         \
   X(soft_object_triangle, SKF_SOFT_OBJECT, SKF_TRIANGLE, skf_form_any)                                                 \
