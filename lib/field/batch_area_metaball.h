@@ -82,37 +82,45 @@ SKF_INLINE cone_part cone_panels(const cone_view *v, const area_view *f, skf_vd 
   return (cone_part){sign * sum.F, -sign * sum.W, sum.J};
 }
 
-SKF_INLINE skf_vvalue cone_value(const area_row *c, const area_view *f, double scale, bool panels) {
-  cone_view v = cone_see(c, f, scale);
-  skf_vd zero = vd_set(0);
-  skf_vi off = f->dist2 > v.R2 * vd_set(1 + SKF_PICK(1e-3, 1e-2)), clear = f->dist2 < v.R2 * vd_set(1 - 1e-3);
-  skf_vvalue none = {zero, {zero, zero, zero}, off};
-  if (vi_all(off)) return none;
-  for (int i = 0; i < 3; i++) clear &= vd_set(1024) * vd_abs(v.power[i]) > v.R2;
-  area_sum sum = {zero, zero, {zero, zero, zero}, zero, zero};
-  skf_vi thin = (v.rim | v.beyond) & clear, good = panels ? clear : clear & ~v.rim;
+/* Adds `by` times what the edges give in `some`; not good where that has cancelled. */
+SKF_INLINE void cone_add(const area_row *c, const area_view *f, const cone_view *v, skf_vi some, skf_vi thin, double by,
+                         area_sum *sum, skf_vi *good) {
+  const skf_vd factor = (skf_vd)((skf_vi)vd_set(by) & some);
   for (int i = 0; i < 3; i++) {
-    cut_view e = area_cut(c, f, i, v.power, v.rm, v.R);
+    cut_view e = area_cut(c, f, i, v->power, v->rm, v->R);
     skf_vi fine = vi_set(-1);
-    cone_part p = cone_closed(&v, f, f->d[i], &e, &fine);
+    cone_part p = cone_closed(v, f, f->d[i], &e, &fine);
     skf_vd out = e.out;
-    if (panels && vi_any(thin)) {
-      cone_part q = cone_panels(&v, f, f->d[i], &e, thin);
+    if (vi_any(thin)) {
+      cone_part q = cone_panels(v, f, f->d[i], &e, thin);
       p.F = vd_select(thin, q.F, p.F), p.W = vd_select(thin, q.W, p.W), p.J = vd_select(thin, q.J, p.J);
-      out = (skf_vd)((skf_vi)out & ~(thin & v.beyond));
+      out = (skf_vd)((skf_vi)out & ~(thin & v->beyond));
       fine |= thin;
     }
-    good &= fine & ~e.rough;
-    skf_vd F = vd_fma(v.G0, out, p.F), Z = f->z * vd_fnma(v.b * v.b, out, p.W);
-    sum.J[i] = p.J, sum.F += F, sum.abs_F += vd_abs(F), sum.Z += Z, sum.abs_Z += vd_abs(Z);
+    *good &= fine & ~e.rough;
+    skf_vd F = factor * vd_fma(v->G0, out, p.F), Z = factor * (f->z * vd_fnma(v->b * v->b, out, p.W));
+    sum->J[i] = vd_fma(factor, p.J, sum->J[i]);
+    sum->F += F, sum->abs_F += vd_abs(F), sum->Z += Z, sum->abs_Z += vd_abs(Z);
   }
-  return area_either(off, none, area_gather_lossy(c, f, &sum, rim_loss(v.R2, f), good));
 }
 
-/* 3/2 a - 1/2 b */
-SKF_INLINE skf_vvalue cone_combine(skf_vvalue a, skf_vvalue b) {
-  skf_vd p = vd_set(1.5), q = vd_set(-0.5);
-  return (skf_vvalue){vd_fma(p, a.F, q * b.F), vd3_mad(vd3_scale(p, a.g), q, b.g), a.good & b.good};
+/* Together: at the rim of R / 3 its cone, small then, may cancel; where that of R does, it is not reached. */
+SKF_INLINE skf_vvalue metaball_edges(const area_row *c, const area_view *f, skf_vi cones, bool panels) {
+  const cone_view outer = cone_see(c, f, 1);
+  skf_vd zero = vd_set(0), R2 = outer.R2;
+  area_sum sum = {zero, zero, {zero, zero, zero}, zero, zero};
+  skf_vi clear = f->dist2 < R2 * vd_set(1 - 1e-3), inside = cones & (vd_set(9) * f->dist2 < R2);
+  for (int i = 0; i < 3; i++) clear &= vd_set(1024) * vd_abs(outer.power[i]) > R2;
+  skf_vi thin = panels ? (outer.rim | outer.beyond) & clear & cones : vi_set(0),
+         good = panels ? clear : clear & ~outer.rim;
+  cone_add(c, f, &outer, cones, thin, 1.5, &sum, &good);
+  if (vi_any(inside)) {
+    const cone_view inner = cone_see(c, f, 1. / 3);
+    skf_vi fine = vi_set(-1);
+    cone_add(c, f, &inner, inside, vi_set(0), -0.5, &sum, &fine);
+    good &= fine | ~inside;
+  }
+  return area_gather_lossy(c, f, &sum, rim_loss(R2, f), good);
 }
 
 SKF_INLINE skf_vvalue metaball_cones(const area_row *c, skf_v3d x, bool panels) {
@@ -123,16 +131,30 @@ SKF_INLINE skf_vvalue metaball_cones(const area_row *c, skf_v3d x, bool panels) 
   skf_vvalue v = {zero, {zero, zero, zero}, off};
   if (vi_any(core)) v = area_either(core, area_rule(AREA_CORE, c, &f, 2, core), v);
   if (!vi_any(cones)) return v;
-  skf_vvalue outer = cone_value(c, &f, 1, panels), inner = cone_value(c, &f, 1. / 3, panels);
-  /* all in the support and far */
-  skf_vi far = ~outer.good & (reach2 < vd_set(0.99) * R2) & (f.dist2 > vd_set(2.25) * (c->diam * c->diam)) & cones;
-  if (panels && vi_any(far)) outer = area_either(far, area_rule(AREA_CONE, c, &f, MIDDLE_NODES, far), outer);
-  return area_either(cones, cone_combine(outer, inner), v);
+  skf_vvalue w = metaball_edges(c, &f, cones, panels);
+  /* all in the support and far, in the shell alone */
+  skf_vi far = ~w.good & (reach2 < vd_set(0.99) * R2) & (f.dist2 > vd_set(2.25) * (c->diam * c->diam)) & cones &
+               (vd_set(9) * f.dist2 > R2);
+  if (panels && vi_any(far))
+    w = area_either(far, vv_scale(vd_set(1.5), area_rule(AREA_CONE, c, &f, MIDDLE_NODES, far)), w);
+  return area_either(cones, w, v);
 }
 
-SKF_OUTLINE skf_vvalue metaball_triangle(const area_row *c, skf_v3d x) { return metaball_cones(c, x, false); }
-SKF_OUTLINE skf_vvalue metaball_triangle_thin(const area_row *c, skf_v3d x) { return metaball_cones(c, x, true); }
+/* One stage: what for the loop gathers the points that need care. */
+typedef struct metaball_triangle_state {
+  skf_vvalue v;
+} metaball_triangle_state;
 
-SKF_BATCH_FORM(metaball_triangle, area, metaball_triangle_thin)
+SKF_OUTLINE skf_vvalue metaball_triangle_thin(const area_row *c, skf_v3d x) { return metaball_cones(c, x, true); }
+SKF_OUTLINE skf_vvalue metaball_triangle_plain(const area_row *c, skf_v3d x) { return metaball_cones(c, x, false); }
+SKF_INLINE void metaball_triangle_begin(const area_row *c, skf_v3d x, metaball_triangle_state *s) {
+  s->v = metaball_triangle_plain(c, x);
+}
+SKF_INLINE skf_vvalue metaball_triangle_end(const area_row *c, const metaball_triangle_state *s) {
+  (void)c;
+  return s->v;
+}
+
+SKF_BATCH_STAGED(metaball_triangle, area, metaball_triangle_thin, skf_stage_none, skf_stage_none, skf_stage_none)
 
 #endif
