@@ -17,6 +17,8 @@ static inline bool skf_form_long_segment(const skf_prepared *e) {
   double width = e->kernel.param * e->plan.segment.length;
   return width > 1 && width < 1e15;
 }
+/* Beside the support: else differences between the ends lose more than they need. */
+static inline bool skf_form_wide_segment(const skf_prepared *e) { return 4 * e->plan.segment.length > e->kernel.param; }
 
 #define SKF_BATCH_FORMS(X)                                                                                             \
   X(cauchy_point, SKF_CAUCHY, SKF_POINT, skf_form_any)                                                                 \
@@ -40,7 +42,8 @@ static inline bool skf_form_long_segment(const skf_prepared *e) {
   X(inverse_squared_segment, SKF_INVERSE_SQUARED, SKF_SEGMENT, skf_form_any)                                           \
   X(quartic_segment, SKF_QUARTIC, SKF_SEGMENT, skf_form_any)                                                           \
   X(soft_object_segment, SKF_SOFT_OBJECT, SKF_SEGMENT, skf_form_any)                                                   \
-  X(metaball_segment, SKF_METABALL, SKF_SEGMENT, skf_form_any)                                                         \
+  X(metaball_segment, SKF_METABALL, SKF_SEGMENT, skf_form_wide_segment)                                                \
+  X(metaball_segment_short, SKF_METABALL, SKF_SEGMENT, skf_form_any)                                                   \
   X(cauchy_arc, SKF_CAUCHY, SKF_ARC, skf_form_open_arc)                                                                \
   X(cauchy_circle, SKF_CAUCHY, SKF_ARC, skf_form_circle)                                                               \
   X(inverse_circle, SKF_INVERSE, SKF_ARC, skf_form_circle)                                                             \

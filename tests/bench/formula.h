@@ -77,6 +77,39 @@ static inline void NAME(squared_segment)(const NAME(body) * c, const V x[3], V o
   for (int k = 0; k < 3; k++) out[1 + k] = ends * c->u[k] - J * e[k];
 }
 
+/* int h and -int g over a part of the segment in the shell, its ends at abscissas a and b, distances ra and rb */
+static inline void NAME(metaball_shell)(V R, V hh, V a, V ra, V b, V rb, V *h, V *J) {
+  V len = b - a, E = SELECT(a > 0, ra + a, hh / (ra - a)) + SELECT(b < 0, rb - b, hh / (rb + b));
+  V L = LOG1P(2 * len / E), I1 = len * (ra + rb + (a + b) * (a + b) / (ra + rb)) / 4 + hh * L / 2;
+  V I2 = len * (hh + (a * a + a * b + b * b) / 3);
+  *h += 3 * (len - 2 * I1 / R + I2 / (R * R)) / 2;
+  *J += 3 * (L - len / R) / R;
+}
+
+static inline V NAME(metaball_end)(V R, V r) {
+  V m = 1 - r / R, core = 1 - 3 * r * r / (R * R);
+  return SELECT(r > R, R - R, SELECT(3 * r > R, 3 * m * m / 2, core));
+}
+
+/* The part in the support, its core, 1 - 3 r^2 / R^2, and the shell on both sides of it */
+static inline void NAME(metaball_segment)(const NAME(body) * c, const V x[3], V out[4]) {
+  V t, rest, e[3], R = c->s, zero = R - R, R3 = R / 3;
+  NAME(along)(c, x, &t, &rest, e);
+  V hh = NAME(dot)(e, e), TT = R * R - hh, T = SQRT(SELECT(TT > 0, TT, zero));
+  V TT3 = R3 * R3 - hh, T3 = SQRT(SELECT(TT3 > 0, TT3, zero)), r0 = SQRT(hh + t * t), r1 = SQRT(hh + rest * rest);
+  V lo = SELECT(t < T, -t, -T), hi = SELECT(rest < T, rest, T), some = hi - lo;
+  V r_lo = SELECT(t < T, SQRT(hh + lo * lo), R), r_hi = SELECT(rest < T, SQRT(hh + hi * hi), R);
+  V a = SELECT(lo > -T3, lo, -T3), b = SELECT(hi < T3, hi, T3);
+  a = SELECT(a < hi, a, hi), b = SELECT(b > lo, b, lo);
+  V ra = SQRT(hh + a * a), rb = SQRT(hh + b * b), len = b - a;
+  V h = len * (1 - 3 * (hh + (a * a + a * b + b * b) / 3) / (R * R)), J = 6 * len / (R * R);
+  NAME(metaball_shell)(R, hh, lo, r_lo, a, ra, &h, &J);
+  NAME(metaball_shell)(R, hh, b, rb, hi, r_hi, &h, &J);
+  V ends = NAME(metaball_end)(R, r0) - NAME(metaball_end)(R, r1);
+  out[0] = SELECT(some > 0, h, zero), J = SELECT(some > 0, J, zero), ends = SELECT(some > 0, ends, zero);
+  for (int k = 0; k < 3; k++) out[1 + k] = ends * c->u[k] - J * e[k];
+}
+
 /* [Wilson 1994; van Oosterom and Strackee 1983] */
 static inline void NAME(triangle)(const NAME(body) * c, const V x[3], V out[4], bool careful) {
   V a[3][3], r[3], dot[3], J[3];
@@ -339,6 +372,7 @@ FORMULA_RUN(gaussian_point, NAME(gaussian_point)(c, x, v))
 FORMULA_RUN(gaussian_segment, NAME(gaussian_segment)(c, x, v))
 FORMULA_RUN(squared_segment, NAME(squared_segment)(c, x, v))
 FORMULA_RUN(squared_arc, NAME(squared_arc)(c, x, v))
+FORMULA_RUN(metaball_segment, NAME(metaball_segment)(c, x, v))
 FORMULA_RUN(gaussian_plane, NAME(gaussian_plane)(c, x, v))
 FORMULA_RUN(squared_plane, NAME(squared_plane)(c, x, v))
 #undef FORMULA_RUN
@@ -356,7 +390,8 @@ static const library NAME(library) = {NAME(prepare),
                                        {NAME(run_squared_plane), NULL},
                                        {NAME(run_cauchy_triangle), NULL},
                                        {NAME(run_gaussian_triangle), NULL},
-                                       {NAME(run_squared_triangle), NULL}}};
+                                       {NAME(run_squared_triangle), NULL},
+                                       {NAME(run_metaball_segment), NULL}}};
 #undef V
 #undef REAL
 #undef NAME
