@@ -142,6 +142,7 @@ SKF_INLINE skf_vvalue polynomial_circle(const compact_arc_row *c, skf_v3d x, dou
   return compact_finish(c, &f, &d, &s, vd_set(-2) * c->per_R * c->per_R, zero);
 }
 
+#ifndef SKF_VEC_FLOAT
 SKF_OUTLINE skf_vvalue quartic_arc(const compact_arc_row *c, skf_v3d x) { return polynomial_arc(c, x, 1, 0); }
 SKF_OUTLINE skf_vvalue quartic_circle(const compact_arc_row *c, skf_v3d x) { return polynomial_circle(c, x, 1, 0); }
 SKF_OUTLINE skf_vvalue soft_object_arc(const compact_arc_row *c, skf_v3d x) {
@@ -155,5 +156,6 @@ SKF_BATCH_FORM(quartic_arc, compact_arc, skf_again_none)
 SKF_BATCH_FORM(quartic_circle, compact_arc, skf_again_none)
 SKF_BATCH_FORM(soft_object_arc, compact_arc, skf_again_none)
 SKF_BATCH_FORM(soft_object_circle, compact_arc, skf_again_none)
+#endif
 
 #endif

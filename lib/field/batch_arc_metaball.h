@@ -73,7 +73,7 @@ SKF_INLINE void core_add(const compact_arc_row *c, const arc_view *f, const shel
    where this is not smooth, far off: mostly less than 1e-16 is left, 4e-16 at worst. */
 SKF_INLINE void shell_add(const compact_arc_row *c, const arc_view *f, const shells_view *v, angle_view lo,
                           angle_view hi, skf_vd by, arc_sum *sum) {
-  enum { NODES = SKF_COUNT(24, 10) };
+  enum { NODES = SKF_COUNT(24, 12) };
   const disc_view *d = &v->disc;
   lo = angle_max(lo, v->core), hi = angle_min(hi, v->rim);
   skf_vd zero = vd_set(0), one = vd_set(1), gap = angle_gap(lo, hi);

@@ -111,8 +111,9 @@ SKF_INLINE skf_vvalue metaball_edges(const area_row *c, const area_view *f, skf_
   area_sum sum = {zero, zero, {zero, zero, zero}, zero, zero};
   skf_vi clear = f->dist2 < R2 * vd_set(1 - 1e-3), inside = cones & (vd_set(9) * f->dist2 < R2);
   for (int i = 0; i < 3; i++) clear &= vd_set(1024) * vd_abs(outer.power[i]) > R2;
-  skf_vi thin = panels ? (outer.rim | outer.beyond) & clear & cones : vi_set(0),
-         good = panels ? clear : clear & ~outer.rim;
+  skf_vi cancels = outer.rim | ((int)SKF_PICK(0, 1) ? outer.beyond : vi_set(0));
+  skf_vi thin = panels ? (outer.rim | outer.beyond) & clear & cones : vi_set(0);
+  skf_vi good = panels ? clear : clear & ~cancels;
   cone_add(c, f, &outer, cones, thin, 1.5, &sum, &good);
   if (vi_any(inside)) {
     const cone_view inner = cone_see(c, f, 1. / 3);

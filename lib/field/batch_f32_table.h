@@ -4,11 +4,13 @@
 #define SKF_FIELD_BATCH_F32_TABLE_H
 
 #include "field/batch_arc.h"
+#include "field/batch_arc_metaball.h"
 #include "field/batch_arc_open.h"
 #include "field/batch_arc_smooth.h"
 #include "field/batch_area_cauchy.h"
 #include "field/batch_area_compact.h"
 #include "field/batch_area_gaussian.h"
+#include "field/batch_area_metaball.h"
 #include "field/batch_circle.h"
 #include "field/batch_plane.h"
 #include "field/batch_point.h"
@@ -31,7 +33,8 @@
   SKF_F32_ENTRY(gaussian_triangle) SKF_F32_ENTRY(quartic_triangle) SKF_F32_ENTRY(soft_object_triangle)                 \
   SKF_F32_ENTRY(inverse_plane) SKF_F32_ENTRY(inverse_squared_plane) SKF_F32_ENTRY(cauchy_plane)                        \
   SKF_F32_ENTRY(gaussian_plane) SKF_F32_ENTRY(metaball_plane) SKF_F32_ENTRY(soft_object_plane)                         \
-  SKF_F32_ENTRY(quartic_plane)                                                                                         \
+  SKF_F32_ENTRY(quartic_plane) SKF_F32_ENTRY(metaball_arc) SKF_F32_ENTRY(metaball_circle)                              \
+  SKF_F32_ENTRY(metaball_triangle)                                                                                     \
   .keep = batch_keep
 /* clang-format on */
 

@@ -217,8 +217,8 @@ SKF_API skf_status skf_field_f32_new(const skf_field *field, skf_vec3 origin, do
 SKF_API void skf_field_f32_free(skf_field_f32 *field);
 
 /* As skf_field_eval, in the field's own units: the gradient is per length of x, not of p. With AVX2 or AVX-512, all but
-   Gaussian open arcs, quartics and soft objects on arcs and circles, and metaballs on segments, arcs, circles and
-   triangles is evaluated in floats, eight or sixteen points at once; everything else in doubles, then rounded.
+   Gaussian open arcs, quartics and soft objects on arcs and circles, metaballs on segments, and short arcs of metaballs
+   (up to 0.1 rad) is evaluated in floats, eight or sixteen points at once; everything else in doubles, then rounded.
    Error, in units of 6e-8 = 2^-24: 16 (triangles 512) of |F| and of
    |g|, and what F and g change when the point moves by 4 units of the largest |coordinate| of it or of the vertices;
    quartics and soft objects on segments twice all this, in rare places next to their rims; for sums, of the sum of the
