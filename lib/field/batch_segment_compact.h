@@ -310,7 +310,7 @@ SKF_INLINE void metaball_segment_begin(const segment_row *c, skf_v3d x, metaball
   skf_vi rim = vd_set(1024) * vd_min(vd_abs(q0), vd_abs(q1)) < R2;
   rim |= ~(in0 | in1) & (vd_set(1024) * vd_abs(Q) < R2);
   s->thin = s->some & (nearest > vd_set(0.64) * R2);
-  s->good = ~(rim | (s->some & (vd_set(256) * s->h2 < near))) & (n0 + n1 < vd_set(INFINITY));
+  s->good = ~(rim | (s->some & (vd_set(256) * s->h2 <= near))) & (n0 + n1 < vd_set(INFINITY));
 }
 
 SKF_INLINE void metaball_segment_roots(const segment_row *c, metaball_segment_state *s) {
