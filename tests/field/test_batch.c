@@ -34,7 +34,7 @@ static skf_vec3 place(const cloud *c, size_t i) { return v3(c->p[0][i], c->p[1][
 static skf_vec3 slope(const cloud *c, size_t i) { return v3(c->g[0][i], c->g[1][i], c->g[2][i]); }
 
 /* A third anywhere, a third at any distance from the body between 1e-9 and 1e4 of the scale, the rest on its axis
-   or plane, on itself, or at the same place in each coordinate as an end. */
+   or plane, on itself, at an end. */
 static void scatter(uint64_t *seed, const skf_primitive *p, double scale, cloud *c) {
   for (size_t i = 0; i < POINTS; i++) {
     skf_vec3 on = skf_primitive_point(p, rnd(seed, 0, 1), rnd(seed, 0, 1)), x = rnd_vec(seed, 2 * scale);
@@ -42,6 +42,7 @@ static void scatter(uint64_t *seed, const skf_primitive *p, double scale, cloud 
     if (i % 6 == 2)
       x = v3_mad(on, rnd(seed, -2, 2), v3_sub(skf_primitive_point(p, 1, 0), skf_primitive_point(p, 0, 0)));
     if (i % 24 == 5) x = on;
+    if (i % 24 == 11) x = skf_primitive_point(p, i % 48 == 11, 0);
     for (int k = 0; k < 3; k++) c->p[k][i] = v3_get(x, k);
   }
 }
