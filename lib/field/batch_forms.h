@@ -12,6 +12,25 @@ static inline bool skf_form_circle(const skf_prepared *e) { return e->plan.arc.f
 static inline bool skf_form_open_arc(const skf_prepared *e) { return !e->plan.arc.full; }
 /* Angles are differences there, good to 2^-53 each. */
 static inline bool skf_form_long_arc(const skf_prepared *e) { return !e->plan.arc.full && e->plan.arc.half > 0.05; }
+/* 2 a^2 rho k up to which the rules of batch_arc_gaussian.h, of few nodes or of many, are exact for half a sweep. */
+static inline double skf_gaussian_arc_most(double half, bool many) {
+  static const struct {
+    double half, few, many;
+  } most[] = {{0.4, 12.9, 59.8},  {0.5, 8.6, 47.9},  {0.625, 4.9, 38.5}, {0.75, 3, 32.2},
+              {0.875, 1.9, 26.1}, {1, 1.28, 19.5},   {1.25, 0.58, 11.7}, {1.5, 0.27, 7.4},
+              {2, 0.06, 3.4},     {2.5, 0.013, 1.7}, {SKF_PI, 0, 0.8}};
+  int i = 0;
+  if (half <= 0.25) return (many ? 23.9 : 5) / half;
+  while (i < 10 && half > most[i].half) i++;
+  return many ? most[i].many : most[i].few;
+}
+/* Beyond 4.5 widths from its circle what an arc adds is 1e-9 of what it adds there. */
+static inline bool skf_form_gaussian_arc(const skf_prepared *e, bool many) {
+  double width = e->kernel.param * e->plan.arc.radius;
+  return !e->plan.arc.full && 2 * width * (width + 4.5) < skf_gaussian_arc_most(e->plan.arc.half, many);
+}
+static inline bool skf_form_brief_arc(const skf_prepared *e) { return skf_form_gaussian_arc(e, false); }
+static inline bool skf_form_wide_arc(const skf_prepared *e) { return skf_form_gaussian_arc(e, true); }
 /* In widths of the kernel; much longer, and powers of abscissae overflow. */
 static inline bool skf_form_long_segment(const skf_prepared *e) {
   double width = e->kernel.param * e->plan.segment.length;
@@ -51,6 +70,8 @@ static inline bool skf_form_wide_segment(const skf_prepared *e) { return 4 * e->
   X(inverse_squared_arc, SKF_INVERSE_SQUARED, SKF_ARC, skf_form_open_arc)                                              \
   X(inverse_squared_circle, SKF_INVERSE_SQUARED, SKF_ARC, skf_form_circle)                                             \
   X(gaussian_circle, SKF_GAUSSIAN, SKF_ARC, skf_form_circle)                                                           \
+  X(gaussian_arc_brief, SKF_GAUSSIAN, SKF_ARC, skf_form_brief_arc)                                                     \
+  X(gaussian_arc_wide, SKF_GAUSSIAN, SKF_ARC, skf_form_wide_arc)                                                       \
   X(quartic_arc, SKF_QUARTIC, SKF_ARC, skf_form_long_arc)                                                              \
   X(quartic_circle, SKF_QUARTIC, SKF_ARC, skf_form_circle)                                                             \
   X(soft_object_arc, SKF_SOFT_OBJECT, SKF_ARC, skf_form_long_arc)                                                      \

@@ -6,6 +6,7 @@
 
 #include "field/batch_arc.h"
 #include "field/batch_arc_compact.h"
+#include "field/batch_arc_gaussian.h"
 #include "field/batch_arc_metaball.h"
 #include "field/batch_arc_open.h"
 #include "field/batch_arc_smooth.h"

@@ -19,7 +19,16 @@
 #include <sleef.h>
 #endif
 
-enum { POINTS = 1024, PAD = 24, RUNS = 30, SECONDS = 3, IN_A_ROW = 4, HUGE_POINTS = 2000000, FORMULAS = 14 };
+enum {
+  POINTS = 1024,
+  PAD = 24,
+  RUNS = 30,
+  SECONDS = 3,
+  IN_A_ROW = 4,
+  HUGE_POINTS = 2000000,
+  FORMULA_NODES = 24,
+  FORMULAS = 15
+};
 
 static double p[3][POINTS + PAD], F[4][POINTS + PAD]; /* padded: rows a multiple of 4096 bytes apart disturb */
 static long double exact[4][POINTS];
@@ -33,13 +42,21 @@ typedef struct library {
 static const struct {
   skf_kernel_type kernel;
   skf_shape shape;
-} formulas[FORMULAS] = {{SKF_INVERSE, SKF_SEGMENT},          {SKF_CAUCHY, SKF_SEGMENT},
-                        {SKF_INVERSE, SKF_TRIANGLE},         {SKF_CAUCHY, SKF_ARC},
-                        {SKF_GAUSSIAN, SKF_POINT},           {SKF_GAUSSIAN, SKF_SEGMENT},
-                        {SKF_INVERSE_SQUARED, SKF_SEGMENT},  {SKF_INVERSE_SQUARED, SKF_ARC},
-                        {SKF_GAUSSIAN, SKF_PLANE},           {SKF_INVERSE_SQUARED, SKF_PLANE},
-                        {SKF_CAUCHY, SKF_TRIANGLE},          {SKF_GAUSSIAN, SKF_TRIANGLE},
-                        {SKF_INVERSE_SQUARED, SKF_TRIANGLE}, {SKF_METABALL, SKF_SEGMENT}};
+} formulas[FORMULAS] = {{SKF_INVERSE, SKF_SEGMENT},
+                        {SKF_CAUCHY, SKF_SEGMENT},
+                        {SKF_INVERSE, SKF_TRIANGLE},
+                        {SKF_CAUCHY, SKF_ARC},
+                        {SKF_GAUSSIAN, SKF_POINT},
+                        {SKF_GAUSSIAN, SKF_SEGMENT},
+                        {SKF_INVERSE_SQUARED, SKF_SEGMENT},
+                        {SKF_INVERSE_SQUARED, SKF_ARC},
+                        {SKF_GAUSSIAN, SKF_PLANE},
+                        {SKF_INVERSE_SQUARED, SKF_PLANE},
+                        {SKF_CAUCHY, SKF_TRIANGLE},
+                        {SKF_GAUSSIAN, SKF_TRIANGLE},
+                        {SKF_INVERSE_SQUARED, SKF_TRIANGLE},
+                        {SKF_METABALL, SKF_SEGMENT},
+                        {SKF_GAUSSIAN, SKF_ARC}};
 
 #define V               long double
 #define REAL            long double

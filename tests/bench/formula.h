@@ -10,6 +10,7 @@ typedef struct NAME(body) {
   V n[3], twice;                     /* its normal, 2 area */
   V R, cos, sin, tan;                /* arc: radius, half the sweep's cosine and sine, tangent of a quarter */
   V at[3], axis[3][3];               /* its centre, the directions of its middle, along it there, across */
+  V node[FORMULA_NODES][3], w[FORMULA_NODES]; /* points of it and their weights in Gauss's rule */
 } NAME(body);
 
 static NAME(body) NAME(c);
@@ -277,6 +278,20 @@ static inline void NAME(careful_arc)(const NAME(body) * c, const V at[3], V out[
   NAME(turn)(c, P * u - Q * v, P * v + Q * u, -4 * c->R * c->s * x[2] * I3, out);
 }
 
+/* There is no closed form: Gauss's rule, with as many nodes as lib/field/batch_arc_gaussian.h has for this arc */
+static inline void NAME(gaussian_arc)(const NAME(body) * c, const V x[3], V out[4]) {
+  V s2 = c->s * c->s, sum[4] = {s2 - s2, s2 - s2, s2 - s2, s2 - s2};
+  for (int j = 0; j < FORMULA_NODES; j++) {
+    V d[3], h;
+    for (int k = 0; k < 3; k++) d[k] = x[k] - c->node[j][k];
+    h = c->w[j] * EXP(-(s2 * NAME(dot)(d, d)));
+    sum[0] += h;
+    for (int k = 0; k < 3; k++) sum[1 + k] += h * d[k];
+  }
+  out[0] = sum[0];
+  for (int k = 0; k < 3; k++) out[1 + k] = -2 * s2 * sum[1 + k];
+}
+
 static inline void NAME(gaussian_point)(const NAME(body) * c, const V x[3], V out[4]) {
   V d[3], s2 = c->s * c->s;
   for (int k = 0; k < 3; k++) d[k] = x[k] - c->a[k];
@@ -336,6 +351,12 @@ static void NAME(prepare)(const skf_element *e) {
     NAME(cross)(c->axis[2], start, side);
     for (int k = 0; k < 3; k++) c->axis[0][k] = c->cos * start[k] + c->sin * side[k];
     NAME(cross)(c->axis[2], c->axis[0], c->axis[1]);
+    for (int j = 0; j < FORMULA_NODES; j++) {
+      const skf_gauss_node *node = skf_gauss_rule(FORMULA_NODES) + j;
+      V along = c->R * SIN(half * (REAL)node->x), out = c->R * COS(half * (REAL)node->x);
+      c->w[j] = c->R * half * (REAL)node->w;
+      for (int k = 0; k < 3; k++) c->node[j][k] = c->at[k] + out * c->axis[0][k] + along * c->axis[1][k];
+    }
   }
   if (q->shape != SKF_TRIANGLE) return;
   for (int i = 0; i < 3; i++) NAME(vector)(c->v[i], q->triangle.vertices[i]);
@@ -368,6 +389,7 @@ FORMULA_RUN(gaussian_triangle, NAME(gaussian_triangle)(c, x, v))
 FORMULA_RUN(squared_triangle, NAME(squared_triangle)(c, x, v))
 FORMULA_RUN(cauchy_arc, NAME(cauchy_arc)(c, x, v))
 FORMULA_RUN(careful_arc, NAME(careful_arc)(c, x, v))
+FORMULA_RUN(gaussian_arc, NAME(gaussian_arc)(c, x, v))
 FORMULA_RUN(gaussian_point, NAME(gaussian_point)(c, x, v))
 FORMULA_RUN(gaussian_segment, NAME(gaussian_segment)(c, x, v))
 FORMULA_RUN(squared_segment, NAME(squared_segment)(c, x, v))
@@ -391,7 +413,8 @@ static const library NAME(library) = {NAME(prepare),
                                        {NAME(run_cauchy_triangle), NULL},
                                        {NAME(run_gaussian_triangle), NULL},
                                        {NAME(run_squared_triangle), NULL},
-                                       {NAME(run_metaball_segment), NULL}}};
+                                       {NAME(run_metaball_segment), NULL},
+                                       {NAME(run_gaussian_arc), NULL}}};
 #undef V
 #undef REAL
 #undef NAME
