@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Vector forms: quartic and soft object along an arc or a circle. Where h does not vanish the arc is at most two
-   windows about the points of the circle that are nearest to x, chi = 0 and pi: each gets one Gauss rule, exact to
-   rounding for polynomials in cos 2 chi. */
+   windows about the points of the circle that are nearest to x, chi = 0 and pi; or it is one, without a rim. There h is
+   a polynomial in cos 2 chi. */
 #ifndef SKF_FIELD_BATCH_ARC_COMPACT_H
 #define SKF_FIELD_BATCH_ARC_COMPACT_H
 
 #include "field/batch_arc_smooth.h"
-#include "num/gauss.h"
 
 /* With the radius of the support and half the sweep; its sine and cosine are in the arc */
 typedef struct compact_arc_row {
@@ -23,73 +22,119 @@ static double *compact_arc_pack(const skf_prepared *e, double *k) {
    = pi / 2. near: it cancels next to x. */
 typedef struct disc_view {
   skf_vd qa, qb, spread, rim;
+  skf_vd wide, thin; /* the roots of qa and -qb, where positive */
   skf_vi some, cut, near;
 } disc_view;
 
 SKF_INLINE disc_view arc_disc(const compact_arc_row *c, const arc_view *f) {
-  skf_vd zero = vd_set(0), a = vd_sqrt(f->alpha), b = vd_sqrt(f->beta);
-  disc_view v = {.qa = (c->R - a) * (c->R + a), .qb = (c->R - b) * (c->R + b)};
+  skf_vd zero = vd_set(0);
+  disc_view v = {.qa = c->R2 - f->alpha, .qb = c->R2 - f->beta};
   v.spread = vd_set(4) * c->arc.rho * f->k;
   v.cut = v.qb < zero;
   v.some = v.qa > zero;
   v.near = vd_set(1024) * vd_abs(v.qa) < c->R2;
-  skf_vd wide = vd_sqrt(vd_max(v.qa, zero)), thin = vd_sqrt(vd_max(-v.qb, zero));
-  v.rim = vd_select(v.cut & v.some, vd_atan2(wide, vd_select(v.some, thin, vd_set(1))), vd_set(SKF_PI / 2));
+  v.wide = vd_sqrt(vd_max(v.qa, zero)), v.thin = vd_sqrt(vd_max(-v.qb, zero));
+  v.rim = vd_select(v.cut & v.some, vd_angle(v.wide, vd_select(v.some, v.thin, vd_set(1))), vd_set(SKF_PI / 2));
   /* next to the circle the distance from it is exact enough only for a large support */
   v.near |= vd_max(vd_set(1024) * f->alpha, vd_set(4) * c->R2) <= f->outer * f->outer;
   return v;
 }
 
-/* The part of the arc from chi0 to chi1 with |chi| < rim, gaps to the rim. */
+/* The part of the arc from chi0 to chi1 with |chi| < rim; R^2 - r^2 at that end which is farther from chi = 0 */
 typedef struct window_view {
-  skf_vd mid, half, gap_lo, gap_hi;
+  skf_vd mid, half, q;
   skf_vi some;
 } window_view;
 
-SKF_INLINE window_view arc_window(const compact_arc_row *c, const disc_view *d, skf_vd chi0, skf_vd chi1) {
+SKF_INLINE window_view arc_window(const compact_arc_row *c, const disc_view *d, skf_vd chi0, skf_vd chi1, skf_vd q0,
+                                  skf_vd q1) {
   skf_vd zero = vd_set(0), below = chi0 + d->rim, above = d->rim - chi1;
   skf_vi cut_lo = below < zero, cut_hi = above < zero;
-  skf_vd whole = c->half + c->half, part = vd_select(cut_hi, d->rim - chi0, chi1 + d->rim);
-  skf_vd length = vd_select(cut_lo & cut_hi, d->rim + d->rim, vd_select(cut_lo | cut_hi, part, vd_set(0.5) * whole));
-  skf_vd lo = vd_select(cut_lo, -d->rim, chi0), hi = vd_select(cut_hi, d->rim, chi1);
-  return (window_view){vd_set(0.5) * (lo + hi), vd_set(0.5) * length, vd_select(cut_lo, zero, below),
-                       vd_select(cut_hi, zero, above), d->some & (hi > lo) & (length > zero)};
+  skf_vd length = vd_select(cut_lo & cut_hi, d->rim + d->rim, vd_select(cut_hi, d->rim - chi0, chi1 + d->rim));
+  length = vd_select(cut_lo | cut_hi, length, c->half);
+  skf_vd lo = vd_select(cut_lo, -d->rim, chi0), hi = vd_select(cut_hi, d->rim, chi1), mid = vd_set(0.5) * (lo + hi);
+  skf_vi upper = mid >= zero, cut = (upper & cut_hi) | (~upper & cut_lo);
+  return (window_view){mid, vd_set(0.5) * length, (skf_vd)((skf_vi)vd_select(upper, q1, q0) & ~cut),
+                       d->some & (hi > lo) & (length > zero)};
 }
 
 typedef struct arc_sum {
   skf_vd F, cc, ss; /* int h, int g cos^2, int g sin^2 by units of the caller's */
 } arc_sum;
 
-/* m^2 (c2 + c3 m) and minus half its slope, m = (R^2 - r^2) / R^2 */
-SKF_INLINE void window_add(skf_vd m, skf_vd w, skf_vd sin, skf_vd cos, double c2, double c3, arc_sum *s) {
-  skf_vd wm = w * m;
-  s->F = vd_fma(wm * m, vd_fma(vd_set(c3), m, vd_set(c2)), s->F);
-  wm *= vd_fma(vd_set(3 * c3), m, vd_set(2 * c2));
-  s->cc = vd_fma(wm, cos * cos, s->cc);
-  s->ss = vd_fma(wm, sin * sin, s->ss);
+/* int sin^2k t dt over |t| <= half, k = 0..3, half <= pi / 2; the last only for cubes */
+typedef struct arc_moments {
+  skf_vd m0, m1, m2, m3;
+} arc_moments;
+
+/* From the highest one by parts: sums of positive terms */
+SKF_INLINE arc_moments window_moments(skf_vd half, skf_vd sin, skf_vd cos, bool cubes) {
+  /* int sin^4 / half^5 and int sin^6 / half^7 in half^2 */
+#ifdef SKF_VEC_FLOAT /* 1e-9, 6e-9 */
+  static const double fourth[] = {0.39999999983489010404,    -0.19047618190539098047,   0.044444371260539488468,
+                                  -0.0065413677525169012954, 0.00067252309124215881281, -0.000050968620218839988200,
+                                  2.8515877243905878983e-6,  -9.6873224985381071634e-8};
+  static const double sixth[] = {0.28571428543457324942,     -0.22222220384187392207,   0.084848285349664713275,
+                                 -0.020837583925079685954,   0.0036666626612264532853,  -0.00048907333277803901124,
+                                 0.000050466156240329255251, -3.8266189926807773104e-6, 1.6320145574284029263e-7};
+#else /* 8e-17, 6e-17 */
+  static const double fourth[] = {0.39999999999999999042,     -0.19047619047618935741,   0.044444444444422814650,
+                                  -0.0065416065414426718806,  0.00067290733893217973979, -0.000051306716488897806905,
+                                  3.0185928094881222123e-6,   -1.4122517345914702432e-7, 5.3787821844728050829e-9,
+                                  -1.6953632866644547126e-10, 4.3748795528486770046e-12, -7.7179269809935132629e-14};
+  static const double sixth[] = {0.28571428571428571178,     -0.22222222222222182365,   0.084848484848474339235,
+                                 -0.020838420838311621240,   0.0036684303345042776700,  -0.00049118637161078011155,
+                                 0.000051968613758218269277, -4.4645347826399864559e-6, 3.1794843547178528802e-7,
+                                 -1.9081624680720755470e-8,  9.7688486483416124894e-10, -4.2690744325123963976e-11,
+                                 1.5155683150520404408e-12,  -3.3921132013577363614e-14};
+#endif
+  skf_vd y = half * half, up = half * y * y, ss = sin * sin, part = sin * cos;
+  arc_moments m = {.m0 = half + half};
+  if (cubes) {
+    m.m3 = up * y * vd_estrin(sixth, sizeof sixth / sizeof *sixth, y);
+    m.m2 = vd_fma(vd_set(6. / 5), m.m3, vd_set(2. / 5) * (part * (ss * ss)));
+  } else {
+    m.m3 = vd_set(0);
+    m.m2 = up * vd_estrin(fourth, sizeof fourth / sizeof *fourth, y);
+  }
+  m.m1 = vd_fma(vd_set(4. / 3), m.m2, vd_set(2. / 3) * (part * ss));
+  return m;
+}
+
+/* With t = chi less the middle of a window and y = sin^2 t, there is R^2 - r^2 = q - e y - o / 2 sin 2t where q is its
+   value in the middle, cos^2 chi = C^2 - c y - s / 2 sin 2t with C, S, c, s the cosine and sine of the middle's chi and
+   2 chi; e, o are c, s times the spread. Odd terms vanish or pair up to y - y^2. As each y is of the order of q,
+   nothing cancels where the window is short. */
+SKF_INLINE void polynomial_moments(skf_vd q, skf_vd spread, skf_vd C, skf_vd S, const arc_moments *m, double c2,
+                                   double c3, arc_sum *sum, skf_vi some) {
+  skf_vd CC = C * C, SS = S * S, c = (C - S) * (C + S), s = vd_set(2) * C * S, e = spread * c, o = spread * s;
+  skf_vd d1 = m->m1 - m->m2, so = s * o, oo = o * o;
+  skf_vd L0 = vd_fma(q, m->m0, -(e * m->m1)), L1 = vd_fma(q, m->m1, -(e * m->m2)), turn = vd_fma(so, d1, -(c * L1));
+  skf_vd J0 = vd_fma(oo, d1, vd_fma(q, L0, -(e * L1))), two = vd_set(2 * c2);
+  skf_vd F = vd_set(c2) * J0, cc = two * vd_fma(CC, L0, turn), ss = two * vd_fma(SS, L0, -turn);
+  if (c3 != 0) {
+    skf_vd d2 = m->m2 - m->m3, Z = vd_set(2) * vd_fma(q, d1, -(e * d2)), L2 = vd_fma(q, m->m2, -(e * m->m3));
+    skf_vd J1 = vd_fma(oo, d2, vd_fma(q, L1, -(e * L2))), bend = vd_fma(so, Z, -(c * J1)), three = vd_set(3 * c3);
+    F = vd_fma(vd_set(c3), vd_fma(oo, Z, vd_fma(q, J0, -(e * J1))), F);
+    cc = vd_fma(three, vd_fma(CC, J0, bend), cc);
+    ss = vd_fma(three, vd_fma(SS, J0, -bend), ss);
+  }
+  sum->F += (skf_vd)((skf_vi)F & some);
+  sum->cc += (skf_vd)((skf_vi)cc & some);
+  sum->ss += (skf_vd)((skf_vi)ss & some);
 }
 
 SKF_INLINE void polynomial_window(const compact_arc_row *c, const disc_view *d, const window_view *w, double c2,
-                                  double c3, bool even, arc_sum *sum) {
+                                  double c3, arc_sum *sum) {
   if (!vi_any(w->some)) return;
-  int n = c3 == 0 ? 18 : 20;
-  const skf_gauss_node *node = skf_gauss_rule(n) + n / 2;
-  skf_vsincos mid = vd_sincos(w->mid), hi = vd_sincos(w->gap_hi + w->half), lo = vd_sincos(w->gap_lo + w->half);
-  skf_vd per_R2 = c->per_R * c->per_R, zero = vd_set(0), qb = d->qb * per_R2, spread = d->spread * per_R2;
-  arc_sum s = {zero, zero, zero};
-  for (int j = 0; j < n / 2; j++) {
-    skf_vsincos v = vd_sincos(w->half * vd_set(node[j].x));
-    for (int turn = 0; turn < (even ? 1 : 2); turn++) {
-      skf_vd t = turn ? -v.sin : v.sin;
-      skf_vd sin = vd_fma(mid.sin, v.cos, mid.cos * t), cos = vd_fma(mid.cos, v.cos, -(mid.sin * t));
-      skf_vd up = vd_fma(hi.sin, v.cos, -(hi.cos * t)), down = vd_fma(lo.sin, v.cos, lo.cos * t);
-      skf_vd m = vd_select(d->cut, spread * up * down, vd_fma(spread, cos * cos, qb));
-      window_add(m, vd_set((even ? 2 : 1) * node[j].w), sin, cos, c2, c3, &s);
-    }
-  }
-  sum->F += (skf_vd)((skf_vi)(w->half * s.F) & w->some);
-  sum->cc += (skf_vd)((skf_vi)(w->half * s.cc) & w->some);
-  sum->ss += (skf_vd)((skf_vi)(w->half * s.ss) & w->some);
+  skf_vd per_R2 = c->per_R * c->per_R, qb = d->qb * per_R2, spread = d->spread * per_R2;
+  skf_vsincos mid = vd_sincos(w->mid), half = vd_sincos(w->half);
+  /* sin(2 |mid| + half), up to the farther end from its mirror image */
+  skf_vd twice = vd_set(2) * vd_abs(mid.sin * mid.cos), cosine = (mid.cos - mid.sin) * (mid.cos + mid.sin);
+  skf_vd across = vd_fma(twice, half.cos, cosine * half.sin);
+  skf_vd q = vd_select(d->cut, vd_fma(spread * half.sin, across, w->q * per_R2), vd_fma(spread, mid.cos * mid.cos, qb));
+  arc_moments m = window_moments(w->half, half.sin, half.cos, c3 != 0);
+  polynomial_moments(q, spread, mid.cos, mid.sin, &m, c2, c3, sum, w->some);
 }
 
 SKF_INLINE skf_vvalue compact_finish(const compact_arc_row *c, const arc_view *f, const disc_view *d, const arc_sum *s,
@@ -122,9 +167,12 @@ SKF_INLINE skf_vvalue polynomial_arc(const compact_arc_row *c, skf_v3d x, double
   if (!vi_any(d.some)) return compact_finish(c, &f, &d, &s, vd_set(-2) * per_R2, zero);
   tips_view t = arc_tips(c, &f, &d, &chi0);
   skf_vd chi1 = chi0 + c->half, turn = vd_set(SKF_PI);
-  window_view front = arc_window(c, &d, chi0, chi1), back = arc_window(c, &d, chi0 - turn, chi1 - turn);
-  polynomial_window(c, &d, &front, c2, c3, false, &s);
-  polynomial_window(c, &d, &back, c2, c3, false, &s);
+  d.rim = vd_select(d.cut, d.rim, turn + turn); /* uncut, the arc is one window */
+  window_view front = arc_window(c, &d, chi0, chi1, t.q0, t.q1),
+              back = arc_window(c, &d, chi0 - turn, chi1 - turn, t.q0, t.q1);
+  back.some &= d.cut;
+  polynomial_window(c, &d, &front, c2, c3, &s);
+  polynomial_window(c, &d, &back, c2, c3, &s);
   skf_vi in0 = t.q0 > zero, in1 = t.q1 > zero;
   skf_vd m0 = vd_max(t.q0, zero) * per_R2, m1 = vd_max(t.q1, zero) * per_R2, sum = m0 + m1;
   skf_vd dm = vd_select(in0 & in1, t.turn * per_R2, (m0 - m1) / vd_select(in0 | in1, f.k, vd_set(1)));
@@ -137,12 +185,14 @@ SKF_INLINE skf_vvalue polynomial_circle(const compact_arc_row *c, skf_v3d x, dou
   disc_view d = arc_disc(c, &f);
   skf_vd zero = vd_set(0);
   arc_sum s = {zero, zero, zero};
-  window_view w = {zero, d.rim, zero, zero, d.some};
-  polynomial_window(c, &d, &w, c2, c3, true, &s);
-  return compact_finish(c, &f, &d, &s, vd_set(-2) * c->per_R * c->per_R, zero);
+  skf_vd per_R2 = c->per_R * c->per_R;
+  if (!vi_any(d.some)) return compact_finish(c, &f, &d, &s, vd_set(-2) * per_R2, zero);
+  skf_vd per = vd_set(1) / vd_sqrt(d.spread), sin = per * d.wide, cos = per * d.thin;
+  arc_moments m = window_moments(d.rim, vd_select(d.cut, sin, vd_set(1)), vd_select(d.cut, cos, zero), c3 != 0);
+  polynomial_moments(d.qa * per_R2, d.spread * per_R2, vd_set(1), zero, &m, c2, c3, &s, d.some);
+  return compact_finish(c, &f, &d, &s, vd_set(-2) * per_R2, zero);
 }
 
-#ifndef SKF_VEC_FLOAT
 SKF_OUTLINE skf_vvalue quartic_arc(const compact_arc_row *c, skf_v3d x) { return polynomial_arc(c, x, 1, 0); }
 SKF_OUTLINE skf_vvalue quartic_circle(const compact_arc_row *c, skf_v3d x) { return polynomial_circle(c, x, 1, 0); }
 SKF_OUTLINE skf_vvalue soft_object_arc(const compact_arc_row *c, skf_v3d x) {
@@ -156,6 +206,4 @@ SKF_BATCH_FORM(quartic_arc, compact_arc, skf_again_none)
 SKF_BATCH_FORM(quartic_circle, compact_arc, skf_again_none)
 SKF_BATCH_FORM(soft_object_arc, compact_arc, skf_again_none)
 SKF_BATCH_FORM(soft_object_circle, compact_arc, skf_again_none)
-#endif
-
 #endif

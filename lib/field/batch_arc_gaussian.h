@@ -3,7 +3,7 @@
    function has no closed form: the Gauss rule of fixed points of the arc, whatever x is, so that neither angles nor
    ends are needed and nothing cancels. With H half the sweep and b = 2 a^2 rho k, k from the axis, an element's
    Gaussian is a factor times exp(b cos(phi - phi_x)), |phi| <= H: up to a b that depends on H the rule leaves 5e-15 of
-   the integral (in floats 1e-8), wherever x is. */
+   the integral (in floats 2e-8), wherever x is. */
 #ifndef SKF_FIELD_BATCH_ARC_GAUSSIAN_H
 #define SKF_FIELD_BATCH_ARC_GAUSSIAN_H
 

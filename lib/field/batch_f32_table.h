@@ -4,6 +4,7 @@
 #define SKF_FIELD_BATCH_F32_TABLE_H
 
 #include "field/batch_arc.h"
+#include "field/batch_arc_compact.h"
 #include "field/batch_arc_gaussian.h"
 #include "field/batch_arc_metaball.h"
 #include "field/batch_arc_open.h"
@@ -34,9 +35,10 @@
   SKF_F32_ENTRY(gaussian_triangle) SKF_F32_ENTRY(quartic_triangle) SKF_F32_ENTRY(soft_object_triangle)                 \
   SKF_F32_ENTRY(inverse_plane) SKF_F32_ENTRY(inverse_squared_plane) SKF_F32_ENTRY(cauchy_plane)                        \
   SKF_F32_ENTRY(gaussian_plane) SKF_F32_ENTRY(metaball_plane) SKF_F32_ENTRY(soft_object_plane)                         \
-  SKF_F32_ENTRY(quartic_plane) SKF_F32_ENTRY(metaball_arc) SKF_F32_ENTRY(metaball_circle)                              \
+  SKF_F32_ENTRY(quartic_plane) SKF_F32_ENTRY(gaussian_arc_brief) SKF_F32_ENTRY(gaussian_arc_wide)                      \
+  SKF_F32_ENTRY(quartic_arc) SKF_F32_ENTRY(quartic_circle) SKF_F32_ENTRY(soft_object_arc)                              \
+  SKF_F32_ENTRY(soft_object_circle) SKF_F32_ENTRY(metaball_arc) SKF_F32_ENTRY(metaball_circle)                         \
   SKF_F32_ENTRY(metaball_triangle)                                                                                     \
-  SKF_F32_ENTRY(gaussian_arc_brief) SKF_F32_ENTRY(gaussian_arc_wide)                                                   \
   .keep = batch_keep
 /* clang-format on */
 
