@@ -206,4 +206,5 @@ SKF_BATCH_FORM(quartic_arc, compact_arc, skf_again_none)
 SKF_BATCH_FORM(quartic_circle, compact_arc, skf_again_none)
 SKF_BATCH_FORM(soft_object_arc, compact_arc, skf_again_none)
 SKF_BATCH_FORM(soft_object_circle, compact_arc, skf_again_none)
+
 #endif
