@@ -165,6 +165,8 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
   }                                                                                                                    \
   SKF_F32_ADD(name)
 
+#define SKF_BATCH_ONE_BY_ONE(name, way) SKF_BATCH_FOURS(name, way)
+
 #define SKF_F32_ENTRY(name)                                                                                            \
   .pack.form[SKF_FORM_##name] = {.columns = sizeof(name##_row) / sizeof(skf_vd) + 1,                                   \
                                  .pack = name##_pack,                                                                  \

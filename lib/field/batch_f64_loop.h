@@ -252,9 +252,8 @@ SKF_INLINE size_t index_hide(size_t i) {
 
 SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? vd_load(to) + v : v); }
 
-/* Four vectors at once */
-#define SKF_BATCH_FOURS(name, way)                                                                                     \
-  /* n vectors from i on, each by itself, with care where it needs it */                                               \
+/* n vectors from i on, each by itself, with care where it needs it */
+#define SKF_BATCH_APART(name)                                                                                          \
   static __attribute__((noinline)) void name##_apart(                                                                  \
       const skf_tile *tile, size_t j, size_t n, const double *const p[3], size_t i, double *const out[4], bool more) { \
     name##_row row;                                                                                                    \
@@ -271,15 +270,19 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
       else                                                                                                             \
         vv_put(&v, out, i);                                                                                            \
     }                                                                                                                  \
+  }
+
+/* What the loops over one measure have in common: NAME_fast does all points but the last few */
+#define SKF_BATCH_MEASURES(name, way)                                                                                  \
+  SKF_INLINE void name##_gauge(const name##_row *row, int mode, size_t n, const double *const p[3], size_t i,          \
+                               skf_vd *w) {                                                                            \
+    skf_v3d x[4];                                                                                                      \
+    SKF_EACH(u, n) x[u] = points_load(p, i + u * SKF_LANES);                                                           \
+    way##_gauge(row, mode, n, x, w);                                                                                   \
   }                                                                                                                    \
-  /* of n vectors whose measures are w */                                                                              \
-  SKF_INLINE void name##_some(const skf_tile *tile, size_t j, const name##_row *row, size_t n,                         \
-                              const double *const p[3], size_t i, const skf_vd *w, double *const out[4], bool more) {  \
-    skf_vd F[4], slope[4];                                                                                             \
-    if (__builtin_expect(!vi_all(name##_of(row, n, w, F, slope)), 0)) {                                                \
-      name##_apart(tile, j, n, p, i, out, more);                                                                       \
-      return;                                                                                                          \
-    }                                                                                                                  \
+  SKF_INLINE void name##_keep(const name##_row *row, size_t n, const double *const p[3], size_t i, const skf_vd *F,    \
+                              const skf_vd *slope, double *const out[4], bool more) {                                  \
+    (void)p;                                                                                                           \
     SKF_EACH(u, n) vd_keep(F[u], out[0] + i + u * SKF_LANES, more);                                                    \
     SKF_EACH(u, n)                                                                                                     \
     vd_keep(slope[u] * way##_along(row, x, p[0] + i + u * SKF_LANES), out[1] + i + u * SKF_LANES, more);               \
@@ -287,29 +290,9 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
     vd_keep(slope[u] * way##_along(row, y, p[1] + i + u * SKF_LANES), out[2] + i + u * SKF_LANES, more);               \
     SKF_EACH(u, n)                                                                                                     \
     vd_keep(slope[u] * way##_along(row, z, p[2] + i + u * SKF_LANES), out[3] + i + u * SKF_LANES, more);               \
-  }                                                                                                                    \
-  SKF_INLINE void name##_gauge(const name##_row *row, int mode, size_t n, const double *const p[3], size_t i,          \
-                               skf_vd *w) {                                                                            \
-    skf_v3d x[4];                                                                                                      \
-    SKF_EACH(u, n) x[u] = points_load(p, i + u * SKF_LANES);                                                           \
-    way##_measure(row, mode, n, x, w);                                                                                 \
-  }                                                                                                                    \
-  /* fours of vectors; the next are measured while these wait for their own results; returns the end */                \
-  SKF_INLINE size_t name##_fours(const skf_tile *tile, size_t j, const name##_row *row, int mode, size_t n,            \
-                                 const double *const p[3], double *const out[4], bool more) {                          \
-    const size_t step = 4 * SKF_LANES;                                                                                 \
-    size_t i = 0;                                                                                                      \
-    skf_vd w[4], ahead[4];                                                                                             \
-    if (n < step) return 0;                                                                                            \
-    name##_gauge(row, mode, 4, p, 0, w);                                                                               \
-    for (; i + step <= n; i += step) {                                                                                 \
-      name##_gauge(row, mode, 4, p, index_hide(i + 2 * step <= n ? i + step : i), ahead);                              \
-      i = index_hide(i);                                                                                               \
-      name##_some(tile, j, row, 4, p, i, w, out, more);                                                                \
-      SKF_EACH(u, 4) w[u] = ahead[u];                                                                                  \
-    }                                                                                                                  \
-    return i;                                                                                                          \
-  }                                                                                                                    \
+  }
+
+#define SKF_BATCH_ALL(name, way)                                                                                       \
   /* element j at all points; out is set, or added to */                                                               \
   SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const double *scale, size_t n, const double *const p[3],  \
                              double *const out[4], bool more) {                                                        \
@@ -319,17 +302,79 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
     size_t i;                                                                                                          \
     name##_row row;                                                                                                    \
     row_spread((skf_vd *)&row, sizeof row / sizeof(skf_vd), tile->column + SKF_TILE, j);                               \
+    const double *const from[3] = {way##_first(&row, in), in[1], in[2]};                                               \
     if (way##_mode(&row) == SKF_PLAIN)                                                                                 \
-      i = name##_fours(tile, j, &row, SKF_PLAIN, n, in, to, more);                                                     \
+      i = name##_fast(tile, j, &row, SKF_PLAIN, n, in, from, to, more);                                                \
     else                                                                                                               \
-      i = name##_fours(tile, j, &row, SKF_MIXED, n, in, to, more);                                                     \
-    for (; i < n; i += SKF_LANES) {                                                                                    \
-      skf_vd w;                                                                                                        \
-      name##_gauge(&row, SKF_MIXED, 1, in, i, &w);                                                                     \
-      name##_some(tile, j, &row, 1, in, i, &w, to, more);                                                              \
-    }                                                                                                                  \
+      i = name##_fast(tile, j, &row, SKF_MIXED, n, in, from, to, more);                                                \
+    if (i < n) name##_apart(tile, j, (n - i) / SKF_LANES, in, i, to, more);                                            \
   }                                                                                                                    \
   SKF_BATCH_WHOLE(name)
+
+/* Four vectors at once; the next are measured while these wait for their own results */
+#define SKF_BATCH_FOURS(name, way)                                                                                     \
+  SKF_BATCH_APART(name)                                                                                                \
+  SKF_BATCH_MEASURES(name, way)                                                                                        \
+  SKF_INLINE size_t name##_fast(const skf_tile *tile, size_t j, const name##_row *row, int mode, size_t n,             \
+                                const double *const p[3], const double *const from[3], double *const out[4],           \
+                                bool more) {                                                                           \
+    const size_t step = 4 * SKF_LANES;                                                                                 \
+    size_t i = 0;                                                                                                      \
+    skf_vd w[4], ahead[4], F[4], slope[4];                                                                             \
+    if (n < step) return 0;                                                                                            \
+    name##_gauge(row, mode, 4, from, 0, w);                                                                            \
+    for (; i + step <= n; i += step) {                                                                                 \
+      name##_gauge(row, mode, 4, from, index_hide(i + 2 * step <= n ? i + step : i), ahead);                           \
+      i = index_hide(i);                                                                                               \
+      if (__builtin_expect(vi_all(name##_of(row, 4, w, F, slope)), 1))                                                 \
+        name##_keep(row, 4, p, i, F, slope, out, more);                                                                \
+      else                                                                                                             \
+        name##_apart(tile, j, 4, p, i, out, more);                                                                     \
+      SKF_EACH(u, 4) w[u] = ahead[u];                                                                                  \
+    }                                                                                                                  \
+    return i;                                                                                                          \
+  }                                                                                                                    \
+  SKF_BATCH_ALL(name, way)
+
+/* One vector ends while four others are late, in the middle, begun and measured: no chain of operations is then longer
+   than what the processor looks ahead. */
+#define SKF_BATCH_ONE_BY_ONE(name, way)                                                                                \
+  SKF_BATCH_APART(name)                                                                                                \
+  SKF_BATCH_MEASURES(name, way)                                                                                        \
+  SKF_INLINE size_t name##_fast(const skf_tile *tile, size_t j, const name##_row *row, int mode, size_t n,             \
+                                const double *const p[3], const double *const from[3], double *const out[4],           \
+                                bool more) {                                                                           \
+    const size_t step = SKF_LANES;                                                                                     \
+    skf_vd w, F, slope;                                                                                                \
+    name##_state begun, there, late;                                                                                   \
+    if (n < 4 * step) return 0;                                                                                        \
+    name##_gauge(row, mode, 1, from, 0, &w);                                                                           \
+    name##_begin(row, w, &late);                                                                                       \
+    name##_middle(row, &late);                                                                                         \
+    name##_late(row, &late);                                                                                           \
+    name##_gauge(row, mode, 1, from, step, &w);                                                                        \
+    name##_begin(row, w, &there);                                                                                      \
+    name##_middle(row, &there);                                                                                        \
+    name##_gauge(row, mode, 1, from, 2 * step, &w);                                                                    \
+    name##_begin(row, w, &begun);                                                                                      \
+    name##_gauge(row, mode, 1, from, 3 * step, &w);                                                                    \
+    SKF_ROLLED for (size_t i = 0; i < n; i += step) {                                                                  \
+      const skf_vi good = name##_end(row, &late, &F, &slope);                                                          \
+      late = there;                                                                                                    \
+      name##_late(row, &late);                                                                                         \
+      there = begun;                                                                                                   \
+      name##_middle(row, &there);                                                                                      \
+      name##_begin(row, w, &begun);                                                                                    \
+      name##_gauge(row, mode, 1, from, index_hide(i + 4 * step < n ? i + 4 * step : i), &w);                           \
+      i = index_hide(i);                                                                                               \
+      if (__builtin_expect(vi_all(good), 1))                                                                           \
+        name##_keep(row, 1, p, i, &F, &slope, out, more);                                                              \
+      else                                                                                                             \
+        name##_apart(tile, j, 1, p, i, out, more);                                                                     \
+    }                                                                                                                  \
+    return n;                                                                                                          \
+  }                                                                                                                    \
+  SKF_BATCH_ALL(name, way)
 
 static inline void batch_total(size_t n, const skf_batch_sum *sum, int k, double *out) {
   for (size_t i = 0; i < n; i += SKF_LANES) {

@@ -107,8 +107,11 @@ static inline double *pack1(double *k, double a) {
   *k = a;
   return k + 1;
 }
-/* The exponent of vd_exp2_product for exp(-a^2 w), rounded once */
-static inline double *pack_exponent(double *k, double a) { return pack1(k, (double)(-1.4426950408889634074L * a * a)); }
+/* The exponent c of 2^(c w) = exp(-a^2 w), rounded once, and what that loses */
+static inline double *pack_exponent(double *k, double a) {
+  const long double c = -1.4426950408889634074L * a * a;
+  return pack1(pack1(k, (double)c), (double)(c - (double)c));
+}
 static inline double *pack3(double *k, skf_vec3 a) { return pack1(pack1(pack1(k, a.x), a.y), a.z); }
 /* The kernel's parameter, its square, 1 / both */
 static inline double *pack_parameter(double *k, const skf_prepared *e) {
@@ -123,18 +126,13 @@ SKF_INLINE skf_vd vd_total(size_t n, const skf_vd *w) {
   return all;
 }
 
-/* Gaussians h = 2^(c x), c x <= 0. The lanes that are good in all; of several vectors none where they are not all near:
-   by itself each is told. */
-SKF_INLINE skf_vi vd_gaussians(const size_t n, const skf_vd *c, const skf_vd *x, skf_vd *h) {
-  const skf_vd near = vd_set(SKF_PICK(-1009, -123)), gone = vd_set(SKF_PICK(-1155, -160));
-  if (n > 1) return vd_exp2_products(n, c, x, h) > near;
-  const skf_vd y = c[0] * x[0];
-  const skf_vi inside = y > near, good = inside | ((y < gone) & (y > vd_set(-INFINITY)));
-  h[0] = vd_set(0);
-  if (!vi_any(inside)) return good;
-  vd_exp2_products(n, c, x, h);
-  h[0] = (skf_vd)((skf_vi)h[0] & inside);
-  return good;
+/* Gaussians 2^(c x), c x <= 0: the lanes that are near enough, and those so far that nothing is left. */
+SKF_INLINE skf_vi vd_gaussian_near(const skf_vpower *e) {
+  return e->whole > vd_set(VD_EXP2_SHIFT) + vd_set(SKF_PICK(-1009, -123));
+}
+SKF_INLINE skf_vi vd_gaussian_gone(skf_vd c, skf_vd x) {
+  const skf_vd y = c * x;
+  return (y < vd_set(SKF_PICK(-1155, -160))) & (y > vd_set(-INFINITY));
 }
 
 enum { SKF_FLIGHT = 16 };
@@ -158,11 +156,19 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
    w from row->at, whence the gradient is along at - x; another has
      int WAY_mode(const ROW_row *)                      for a row in all lanes: SKF_PLAIN, or SKF_MIXED
      void WAY_measure(const ROW_row *, int mode, size_t n, const skf_v3d *x, skf_vd *w)     SKF_MIXED: lane by lane
+     void WAY_gauge(const ROW_row *, int mode, size_t n, const skf_v3d *x, skf_vd *w)       the same, or NaN where that
+                                                                                            takes more care
+     WAY_first(row, p)                                  for SKF_PLAIN, which coordinates WAY_gauge sees as x; for all
+                                                        others p[0]
      WAY_along(row, k, q)                               component k of the gradient's direction, q pointing at x.k
    and the form, of up to four vectors, stage after stage,
      skf_vi NAME_of(const ROW_row *, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope)
-   which sets F and the factor of that direction and returns the lanes good in all. */
+   which sets F and the factor of that direction and returns the lanes good in all; never of a NaN. */
 #define SKF_BATCH_MEASURED(name, row_name, way, again)                                                                 \
+  SKF_BATCH_ALONG(name, row_name, way, again)                                                                          \
+  SKF_BATCH_FOURS(name, way)
+
+#define SKF_BATCH_ALONG(name, row_name, way, again)                                                                    \
   SKF_INLINE skf_vvalue name##_value(const row_name##_row *row, skf_v3d x) {                                           \
     skf_vd w, F, slope;                                                                                                \
     way##_measure(row, SKF_MIXED, 1, &x, &w);                                                                          \
@@ -170,8 +176,24 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
     const skf_v3d along = {way##_along(row, x, &x.x), way##_along(row, y, &x.y), way##_along(row, z, &x.z)};           \
     return (skf_vvalue){F, vd3_scale(slope, along), good};                                                             \
   }                                                                                                                    \
-  SKF_BATCH_COMMON(name, row_name, again, true)                                                                        \
-  SKF_BATCH_FOURS(name, way)
+  SKF_BATCH_COMMON(name, row_name, again, true)
+
+/* The same where its chain of operations is long, in four parts, so that a loop works on as many vectors at once:
+     void NAME_begin(const ROW_row *, skf_vd w, NAME_state *)
+     void NAME_middle(const ROW_row *, NAME_state *)                                        and NAME_late
+     skf_vi NAME_end(const ROW_row *, const NAME_state *, skf_vd *F, skf_vd *slope)         the lanes that are good */
+#define SKF_BATCH_PIPED(name, row_name, way, again)                                                                    \
+  SKF_INLINE skf_vi name##_of(const row_name##_row *row, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope) {        \
+    name##_state s[4];                                                                                                 \
+    skf_vi good = vi_set(-1);                                                                                          \
+    SKF_EACH(u, n) name##_begin(row, w[u], s + u);                                                                     \
+    SKF_EACH(u, n) name##_middle(row, s + u);                                                                          \
+    SKF_EACH(u, n) name##_late(row, s + u);                                                                            \
+    SKF_EACH(u, n) good &= name##_end(row, s + u, F + u, slope + u);                                                   \
+    return good;                                                                                                       \
+  }                                                                                                                    \
+  SKF_BATCH_ALONG(name, row_name, way, again)                                                                          \
+  SKF_BATCH_ONE_BY_ONE(name, way)
 
 SKF_INLINE skf_vd vd_there(const void *p) {
   skf_vd v;
@@ -181,6 +203,8 @@ SKF_INLINE skf_vd vd_there(const void *p) {
 enum { SKF_MIXED, SKF_PLAIN };
 #define point_mode(row)                   SKF_PLAIN
 #define point_measure(row, mode, n, x, w) ((void)(mode), squares_from((row)->at, n, x, w))
+#define point_gauge                       point_measure
+#define point_first(row, p)               ((p)[0])
 #define point_along(row, k, q)            ((row)->at.k - vd_there(q))
 SKF_INLINE void squares_from(skf_v3d at, size_t n, const skf_v3d *x, skf_vd *w) {
   skf_vd d[4];

@@ -5,30 +5,27 @@
 
 #include "field/batch_loop.h"
 
-/* aligned: 1 where the normal is along an axis, else 0; along: the normal times -2 pi and the strength, for Gaussians
-   by the exponent, too; s or R, its square, 1 / both; the strength times pi s^-2 or pi R^2, and times -2 pi */
+/* axis: that of the normal, or -1 where it is along none; its coordinates of `through` and `unit`; along: the normal
+   times -2 pi and the strength, for Gaussians by the exponent, too, for 1 / r^2 the unit normal; s or R, its square, 1
+   / both; the strength times pi s^-2 or pi R^2, and times -2 pi */
 typedef struct plane_row {
   skf_v3d through, raw, unit, along;
-  skf_vd aligned, per_length, param, param2, per_param, per_param2, exponent, F, slope;
+  skf_vd axis, at, toward, per_length, param, param2, per_param, per_param2, exponent, F, slope;
 } plane_row;
 
 static double *plane_pack(const skf_prepared *e, double *k) {
   const skf_plane_plan *p = &e->plan.plane;
+  const skf_kernel_type type = e->kernel.type;
   const double aa = e->kernel.param * e->kernel.param, pi = SKF_PI * e->strength;
-  double exponent;
-  pack_exponent(&exponent, e->kernel.param);
+  const bool aligned = (p->raw.x != 0) + (p->raw.y != 0) + (p->raw.z != 0) == 1;
+  const int axis = p->raw.x != 0 ? 0 : p->raw.y != 0 ? 1 : 2;
+  double exponent[2];
+  pack_exponent(exponent, e->kernel.param);
   k = pack3(pack3(pack3(k, e->primitive.plane.through), p->raw), p->unit);
-  k = pack3(k, v3_scale(-2 * pi / (e->kernel.type == SKF_GAUSSIAN ? exponent : 1), p->unit));
-  k = pack1(k, (p->raw.x != 0) + (p->raw.y != 0) + (p->raw.z != 0) == 1);
-  k = pack1(pack_parameter(pack1(k, 1 / p->length), e), exponent);
-  return pack1(pack1(k, skf_kernel_get(e->kernel.type)->compact ? pi * aa : pi / aa), -2 * pi);
-}
-
-/* unit . (x - through): exact but for its last rounding where the normal is along an axis */
-SKF_INLINE void plane_plain(const plane_row *c, size_t n, const skf_v3d *x, skf_vd *z) {
-  SKF_EACH(u, n) z[u] = (x[u].x - c->through.x) * c->unit.x;
-  SKF_EACH(u, n) z[u] = vd_fma(x[u].y - c->through.y, c->unit.y, z[u]);
-  SKF_EACH(u, n) z[u] = vd_fma(x[u].z - c->through.z, c->unit.z, z[u]);
+  k = pack3(k, v3_scale(type == SKF_INVERSE_SQUARED ? 1 : -2 * pi / (type == SKF_GAUSSIAN ? exponent[0] : 1), p->unit));
+  k = pack1(pack1(pack1(k, aligned ? axis : -1), v3_get(e->primitive.plane.through, axis)), v3_get(p->unit, axis));
+  k = pack1(pack_parameter(pack1(k, 1 / p->length), e), exponent[0]);
+  return pack1(pack1(k, skf_kernel_get(type)->compact ? pi * aa : pi / aa), -2 * pi);
 }
 
 /* raw . (x - through) as if in twice the digits */
@@ -40,38 +37,50 @@ SKF_INLINE skf_vd plane_careful(const plane_row *c, skf_v3d x) {
   return t + low;
 }
 
-/* Signed height to a few ulps, however far x is from the plane's point; for floats, what rounding x leaves. Where the
-   normal is along an axis nothing is lost. Else plain sums may lose an ulp or two of the distance from this point:
-   careful ones are taken where it is, in the sum of coordinates, more than 32 heights. (By a call, and with a copy of
-   the row, so that the loops keep their registers.) */
-static __attribute__((noinline)) void plane_again(const plane_row *c, const skf_v3d *x, const skf_vi *enough,
-                                                  skf_vd *z) {
-  *z = vd_select(*enough, *z, plane_careful(c, *x) * c->per_length);
+/* unit . d (0 is added so that heights of 0 are never negative). Negative, or NaN, in *enough where it is less than a
+   256th of what cancels in it. */
+SKF_INLINE skf_vd plane_plain(const plane_row *c, skf_v3d d, skf_vd *enough) {
+  const skf_vd one = vd_fma(d.x, c->unit.x, vd_set(0)), two = vd_fma(d.y, c->unit.y, one);
+  const skf_vd z = vd_fma(d.z, c->unit.z, two), much = vd_set(256) * z;
+  *enough = vd_fms(much, much, vd_fma(two, two, one * one));
+  return z;
 }
-SKF_INLINE skf_vi plane_aligned(const plane_row *c) { return c->aligned > vd_set(SKF_PICK(0.5, -1)); }
-/* Positive where a plain height is enough */
-SKF_INLINE skf_vd plane_enough(const plane_row *c, skf_v3d x, skf_vd z) {
-  const skf_v3d d = vd3_sub(x, c->through);
-  return vd_fms(vd_set(32), vd_abs(z), vd_abs(d.x) + vd_abs(d.y) + vd_abs(d.z));
-}
+
+/* Signed height. Where the normal is along an axis it is exact but for the last rounding. Else the plain sum may lose
+   an ulp or two of what cancels in it, less than eight ulps of x and the plane's point change: careful ones are taken
+   where that is too much. For floats rounding x does more. */
+SKF_INLINE skf_vi plane_aligned(const plane_row *c) { return c->axis > vd_set(SKF_PICK(-0.5, -2)); }
 SKF_INLINE void plane_measure(const plane_row *c, int mode, size_t n, const skf_v3d *x, skf_vd *z) {
-  skf_vd enough[4], least = vd_set(INFINITY);
-  plane_plain(c, n, x, z);
-  if (mode == SKF_PLAIN) return;
-  SKF_EACH(u, n) enough[u] = plane_enough(c, x[u], z[u]);
-  SKF_EACH(u, n) least = u ? vd_min(enough[u], least) : enough[u];
-  if (vi_all((least > vd_set(0)) | plane_aligned(c))) return;
   SKF_EACH(u, n) {
-    const skf_vi keep = (enough[u] > vd_set(0)) | plane_aligned(c);
-    if (vi_all(keep)) continue;
-    const plane_row row = *c;
-    const skf_v3d at = x[u];
-    skf_vd height = z[u];
-    plane_again(&row, &at, &keep, &height);
-    z[u] = height;
+    const skf_vd zero = vd_set(0);
+    const skf_vi aligned = plane_aligned(c);
+    skf_vd enough;
+    skf_v3d d = vd3_sub(x[u], c->through);
+    if (mode != SKF_PLAIN) { /* as if plane_gauge had not read them */
+      d.x = vd_select(aligned & (c->unit.x == zero), zero, d.x);
+      d.y = vd_select(aligned & (c->unit.y == zero), zero, d.y);
+      d.z = vd_select(aligned & (c->unit.z == zero), zero, d.z);
+    }
+    z[u] = plane_plain(c, d, &enough);
+    if (mode == SKF_PLAIN) continue;
+    const skf_vi close = ~((enough >= zero) | aligned);
+    if (vi_any(close)) z[u] = vd_select(close, plane_careful(c, x[u]) * c->per_length, z[u]);
+  }
+}
+SKF_INLINE void plane_gauge(const plane_row *c, int mode, size_t n, const skf_v3d *x, skf_vd *z) {
+  const skf_vd nan = (skf_vd)vi_set(-1);
+  skf_vd enough;
+  SKF_EACH(u, n) {
+    if (mode == SKF_PLAIN) {
+      z[u] = vd_fma(x[u].x - c->at, c->toward, vd_set(0));
+      continue;
+    }
+    z[u] = plane_plain(c, vd3_sub(x[u], c->through), &enough);
+    z[u] = vd_select((skf_vi)enough, nan, z[u]);
   }
 }
 #define plane_mode(row)        (vi_all(plane_aligned(row)) ? SKF_PLAIN : SKF_MIXED)
+#define plane_first(row, p)    ((p)[vi_all(plane_aligned(row)) ? (int)(row)->axis[0] : 0])
 #define plane_along(row, k, q) ((row)->along.k)
 
 SKF_INLINE skf_vi plane_finite(size_t n, const skf_vd *z) {
@@ -92,13 +101,31 @@ SKF_INLINE skf_vi cauchy_plane_of(const plane_row *c, size_t n, const skf_vd *z,
   return good;
 }
 
-SKF_INLINE skf_vi gaussian_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {
-  skf_vd y[4], h[4];
-  SKF_EACH(u, n) y[u] = c->exponent * z[u];
-  const skf_vi good = vd_gaussians(n, y, z, h);
-  SKF_EACH(u, n) F[u] = c->F * h[u];
-  SKF_EACH(u, n) slope[u] = y[u] * h[u];
-  return good;
+typedef struct gaussian_plane_state {
+  skf_vd y; /* z times the exponent */
+  skf_vpower h;
+} gaussian_plane_state;
+SKF_INLINE void gaussian_plane_begin(const plane_row *c, skf_vd z, gaussian_plane_state *s) {
+  s->y = c->exponent * z, s->h = vd_exp2_begin(s->y, z);
+}
+SKF_INLINE void gaussian_plane_middle(const plane_row *c, gaussian_plane_state *s) {
+  (void)c;
+  vd_exp2_middle(&s->h);
+}
+SKF_INLINE void gaussian_plane_late(const plane_row *c, gaussian_plane_state *s) {
+  (void)c;
+  vd_exp2_late(&s->h);
+}
+SKF_INLINE skf_vi gaussian_plane_end(const plane_row *c, const gaussian_plane_state *s, skf_vd *F, skf_vd *slope) {
+  const skf_vd h = vd_exp2_end(&s->h);
+  *F = c->F * h, *slope = s->y * h;
+  return vd_gaussian_near(&s->h);
+}
+SKF_INLINE skf_vvalue gaussian_plane_gone(const plane_row *c, skf_v3d x) {
+  const skf_vd zero = vd_set(0);
+  skf_vd z;
+  plane_measure(c, SKF_MIXED, 1, &x, &z);
+  return (skf_vvalue){zero, {zero, zero, zero}, vd_gaussian_gone(c->exponent * z, z)};
 }
 
 SKF_INLINE skf_vi inverse_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {
@@ -108,15 +135,27 @@ SKF_INLINE skf_vi inverse_plane_of(const plane_row *c, size_t n, const skf_vd *z
   return plane_finite(n, z);
 }
 
-SKF_INLINE skf_vi inverse_squared_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {
-  skf_vd powers = vd_set(0); /* of two: what is tiny, huge or NaN has large ones */
-  skf_vlog l[4];
-  SKF_EACH(u, n) l[u] = vd_log_one(vd_abs(z[u]));
-  SKF_EACH(u, n) powers = vd_fma(l[u].count, l[u].count, powers);
-  SKF_EACH(u, n) l[u].top = l[u].top / l[u].bottom;
-  SKF_EACH(u, n) slope[u] = vd_set(1) / z[u];
-  SKF_EACH(u, n) F[u] = c->slope * vd_log_series(l[u].count, l[u].top);
-  return powers < vd_set(SKF_PICK(460 * 460, 60 * 60) * VD_LOG_UNIT * VD_LOG_UNIT);
+typedef struct inverse_squared_plane_state {
+  skf_vd z;   /* then the slope */
+  skf_vlog l; /* top: then the quotient */
+} inverse_squared_plane_state;
+SKF_INLINE void inverse_squared_plane_begin(const plane_row *c, skf_vd z, inverse_squared_plane_state *s) {
+  (void)c;
+  s->z = z, s->l = vd_log_one(vd_abs(z));
+}
+SKF_INLINE void inverse_squared_plane_middle(const plane_row *c, inverse_squared_plane_state *s) {
+  s->l.top = s->l.top / s->l.bottom;
+  s->z = c->slope / s->z;
+}
+SKF_INLINE void inverse_squared_plane_late(const plane_row *c, inverse_squared_plane_state *s) {
+  s->l.top = c->slope * vd_log_series(s->l.count, s->l.top);
+}
+SKF_INLINE skf_vi inverse_squared_plane_end(const plane_row *c, const inverse_squared_plane_state *s, skf_vd *F,
+                                            skf_vd *slope) {
+  (void)c;
+  const skf_vd count = s->l.count; /* of what is tiny, huge or NaN, large */
+  *F = s->l.top, *slope = s->z;
+  return vd_abs(count) < vd_set(SKF_PICK(460, 60) * VD_LOG_UNIT);
 }
 
 SKF_INLINE skf_vi metaball_plane_of(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope) {
@@ -149,9 +188,9 @@ SKF_INLINE skf_vi soft_object_plane_of(const plane_row *c, size_t n, const skf_v
 }
 
 SKF_BATCH_MEASURED(cauchy_plane, plane, plane, skf_again_none)
-SKF_BATCH_MEASURED(gaussian_plane, plane, plane, skf_again_none)
+SKF_BATCH_PIPED(gaussian_plane, plane, plane, gaussian_plane_gone)
 SKF_BATCH_MEASURED(inverse_plane, plane, plane, skf_again_none)
-SKF_BATCH_MEASURED(inverse_squared_plane, plane, plane, skf_again_none)
+SKF_BATCH_PIPED(inverse_squared_plane, plane, plane, skf_again_none)
 SKF_BATCH_MEASURED(metaball_plane, plane, plane, skf_again_none)
 SKF_BATCH_MEASURED(soft_object_plane, plane, plane, skf_again_none)
 SKF_BATCH_MEASURED(quartic_plane, plane, plane, skf_again_none)

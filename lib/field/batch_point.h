@@ -49,10 +49,10 @@ SKF_INLINE skf_vi cauchy_point_of(const point_row *c, size_t n, const skf_vd *w,
   return good;
 }
 
-/* exp(-a^2 w) = 2^(exponent w) */
+/* exp(-a^2 w) = 2^((exponent + low) w) */
 typedef struct gaussian_row {
   skf_v3d at;
-  skf_vd exponent, strength, slope;
+  skf_vd exponent, low, strength, slope;
 } gaussian_row;
 
 static double *gaussian_pack(const skf_prepared *e, double *k) {
@@ -61,13 +61,27 @@ static double *gaussian_pack(const skf_prepared *e, double *k) {
   return pack1(pack1(k, e->strength), 2 * aa * e->strength);
 }
 
-SKF_INLINE skf_vi gaussian_point_of(const gaussian_row *c, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope) {
-  skf_vd exponent[4];
-  SKF_EACH(u, n) exponent[u] = c->exponent;
-  const skf_vi good = vd_gaussians(n, exponent, w, slope);
-  SKF_EACH(u, n) F[u] = c->strength * slope[u];
-  SKF_EACH(u, n) slope[u] = c->slope * slope[u];
-  return good;
+typedef skf_vpower gaussian_point_state;
+SKF_INLINE void gaussian_point_begin(const gaussian_row *c, skf_vd w, skf_vpower *s) {
+  *s = SKF_COUNT(1, 0) ? vd_exp2_begin_low(c->exponent, c->low, w) : vd_exp2_begin(c->exponent, w);
+}
+SKF_INLINE void gaussian_point_middle(const gaussian_row *c, skf_vpower *s) {
+  (void)c;
+  vd_exp2_middle(s);
+}
+SKF_INLINE void gaussian_point_late(const gaussian_row *c, skf_vpower *s) {
+  (void)c;
+  vd_exp2_late(s);
+}
+SKF_INLINE skf_vi gaussian_point_end(const gaussian_row *c, const skf_vpower *s, skf_vd *F, skf_vd *slope) {
+  const skf_vd h = vd_exp2_end(s);
+  *F = c->strength * h, *slope = c->slope * h;
+  return vd_gaussian_near(s);
+}
+SKF_INLINE skf_vvalue gaussian_point_gone(const gaussian_row *c, skf_v3d x) {
+  const skf_v3d d = vd3_sub(c->at, x);
+  const skf_vd zero = vd_set(0);
+  return (skf_vvalue){zero, {zero, zero, zero}, vd_gaussian_gone(c->exponent, vd3_dot(d, d))};
 }
 
 /* R^2 - |d|^2. Next to the rim the plain difference loses R^2 / q, but for floats, where this is what rounding the
@@ -153,7 +167,7 @@ SKF_INLINE skf_vvalue metaball_rim(const point_row *c, skf_v3d x) {
 SKF_BATCH_MEASURED(inverse_point, point, point, skf_again_none)
 SKF_BATCH_MEASURED(inverse_squared_point, point, point, skf_again_none)
 SKF_BATCH_MEASURED(cauchy_point, point, point, skf_again_none)
-SKF_BATCH_MEASURED(gaussian_point, gaussian, point, skf_again_none)
+SKF_BATCH_PIPED(gaussian_point, gaussian, point, gaussian_point_gone)
 SKF_BATCH_MEASURED(quartic_point, point, point, quartic_rim)
 SKF_BATCH_MEASURED(soft_object_point, point, point, soft_object_rim)
 SKF_BATCH_MEASURED(metaball_point, point, point, metaball_rim)

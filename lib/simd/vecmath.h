@@ -207,54 +207,64 @@ SKF_INLINE skf_vexp vd_exp_parts(skf_vd x) {
                     (skf_vd)((whole + vi_set(SKF_BIAS)) << SKF_MANTISSA)};
 }
 
-/* 2^(c x), the product not rounded, for |c x| <= 1020 (in floats 125): exp(a x) with c = a log2(e), in fewer steps than
-   vd_exp takes. With y = f log(2) / 2, 2^f = 1 + 2 tanh y / (1 - tanh y): a quotient needs half the coefficients, and
-   where polynomials are what takes the time a division is nearly free. */
-SKF_INLINE skf_vd vd_exp2_product(skf_vd c, skf_vd x) {
+/* 2^((c + low) x), the products not rounded, for |c x| <= 1020 (in floats 125): exp(a x) with c = a log2(e), in fewer
+   steps than vd_exp takes. In parts, for loops that keep the chains of several vectors apart: 2^(whole + f), |f|
+   <= 1/2, whole in its last bits. With y = f log(2) / 2, 2^f = 1 + 2 tanh y / (1 - tanh y): a quotient needs half the
+   coefficients, and where polynomials are what takes the time a division is nearly free. */
+typedef struct skf_vpower {
+  skf_vd whole, f;
+  skf_vd part; /* of 2^f, set on the way */
+} skf_vpower;
+
+#define VD_EXP2_SHIFT SKF_PICK(0x1.8p52, 0x1.8p23) /* what is added to `whole` */
+
+SKF_INLINE skf_vpower vd_exp2_begin(skf_vd c, skf_vd x) {
+  const skf_vd shift = vd_set(VD_EXP2_SHIFT), whole = vd_fma(c, x, shift);
+  return (skf_vpower){whole, vd_fms(c, x, whole - shift), vd_set(0)};
+}
+SKF_INLINE skf_vpower vd_exp2_begin_low(skf_vd c, skf_vd low, skf_vd x) {
+  skf_vpower e = vd_exp2_begin(c, x);
+  e.f = vd_fma(low, x, e.f);
+  return e;
+}
+
+SKF_INLINE void vd_exp2_middle(skf_vpower *e) {
+  const skf_vd f = e->f;
 #ifdef SKF_VEC_FLOAT
-  /* (2^f - 1) / f for |f| <= 1/2: 5e-9 */
+  /* (2^f - 1) / f: 5e-9 */
   static const double p[] = {0.69314718802622878106,   0.24022650760568126945,   0.055503571142190778186,
                              0.0096180825572778514913, 0.0013390863364671234381, 0.00015453162945120690177};
-  const skf_vd shift = vd_set(0x1.8p23);
-  skf_vd whole = vd_fma(c, x, shift), f = vd_fms(c, x, whole - shift);
-  skf_vd s = vd_fma(vd_halves(p, sizeof p / sizeof *p, f), f, vd_set(1));
+  e->part = vd_halves(p, sizeof p / sizeof *p, f);
 #else
   /* 2 tanh(y) / f in f^2: 8e-18; what f is multiplied with first is 1, so that nothing is rounded there */
   static const double p[] = {0.01334447208282205296, 0.000015255309600383556761};
   static const double q[] = {1.4426950408889634142, 0.07701426874382931018, 0.00033028145403456852049};
-  const skf_vd shift = vd_set(0x1.8p52);
-  skf_vd whole = vd_fma(c, x, shift), f = vd_fms(c, x, whole - shift), ff = f * f;
-  skf_vd top = vd_fma(f * ff, vd_horner(p, 2, ff), f);
-  skf_vd bottom = vd_fma(vd_horner(q + 1, 2, ff), ff, vd_fnma(vd_set(0.5), top, vd_set(q[0])));
-  skf_vd s = vd_set(1) + top / bottom;
+  const skf_vd ff = f * f, top = vd_fma(f * ff, vd_horner(p, 2, ff), f);
+  e->f = top, e->part = vd_fma(vd_horner(q + 1, 2, ff), ff, vd_fnma(vd_set(0.5), top, vd_set(q[0])));
 #endif
-  return (skf_vd)((skf_vi)s + ((skf_vi)whole << SKF_MANTISSA));
+}
+SKF_INLINE void vd_exp2_late(skf_vpower *e) {
+#ifndef SKF_VEC_FLOAT
+  e->part = e->f / e->part;
+#else
+  (void)e;
+#endif
 }
 
-/* The same of n vectors side by side, stage after stage: so many chains, and no quotients, keep the processor busy
-   where nothing else waits; then the fewest products count, not the shortest chain. Returns the sum of the products'
-   whole parts: where they are not positive, a bound of each. */
-SKF_INLINE skf_vd vd_exp2_products(const size_t n, const skf_vd *c, const skf_vd *x, skf_vd *h) {
+SKF_INLINE skf_vd vd_exp2_end(const skf_vpower *e) {
 #ifdef SKF_VEC_FLOAT
-  /* 2^f for |f| <= 1/2: 5e-9 */
-  static const double p[] = {0.69314718802622878106,   0.24022650760568126945,   0.055503571142190778186,
-                             0.0096180825572778514913, 0.0013390863364671234381, 0.00015453162945120690177};
-  const skf_vd shift = vd_set(0x1.8p23);
+  const skf_vd s = vd_fma(e->part, e->f, vd_set(1));
 #else
-  /* the same: 2e-17 */
-  static const double p[] = {0.69314718055994530942,     0.2402265069591009822,    0.055504108664821594339,
-                             0.0096181291076068885273,   0.001333355814641693531,  0.00015403530441736050155,
-                             0.000015252733829836118394, 1.3215442587921689653e-6, 1.0178062445845773521e-7,
-                             7.0725859492692236999e-9,   4.4549605981865183938e-10};
-  const skf_vd shift = vd_set(0x1.8p52);
+  const skf_vd s = vd_set(1) + e->part;
 #endif
-  skf_vd whole[4], f[4], sum = vd_set(0);
-  SKF_EACH(u, n) whole[u] = vd_fma(c[u], x[u], shift);
-  SKF_EACH(u, n) f[u] = whole[u] - shift, sum = u ? sum + f[u] : f[u];
-  SKF_EACH(u, n) f[u] = vd_fms(c[u], x[u], f[u]);
-  SKF_EACH(u, n) f[u] = vd_fma(vd_halves(p, sizeof p / sizeof *p, f[u]), f[u], vd_set(1));
-  SKF_EACH(u, n) h[u] = (skf_vd)((skf_vi)f[u] + ((skf_vi)whole[u] << SKF_MANTISSA));
-  return sum;
+  return (skf_vd)((skf_vi)s + ((skf_vi)e->whole << SKF_MANTISSA));
+}
+
+SKF_INLINE skf_vd vd_exp2_product(skf_vd c, skf_vd x) {
+  skf_vpower e = vd_exp2_begin(c, x);
+  vd_exp2_middle(&e);
+  vd_exp2_late(&e);
+  return vd_exp2_end(&e);
 }
 
 /* exp(x) for |x| <= VD_EXP_MAX. */

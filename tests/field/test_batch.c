@@ -62,6 +62,14 @@ static double difference(const skf_primitive *p, const cloud *a, const cloud *b,
   return fmax(fabs(b->F[i] - a->F[i]) / F, g) / (1 + G);
 }
 
+/* What field.h grants a plane whose normal is along no axis, by what it grants others: x is farther from the plane's
+   point than from the plane. */
+static double allowance(const skf_primitive *p, skf_vec3 x) {
+  const skf_vec3 n = p->plane.normal;
+  if (p->shape != SKF_PLANE || (n.x != 0) + (n.y != 0) + (n.z != 0) == 1) return 1;
+  return 1 + 0.2 * fmin(v3_norm(v3_sub(x, p->plane.through)) / skf_primitive_distance(p, x), 250);
+}
+
 /* Whether some elements of this pair have a vector form */
 static bool has_form(skf_kernel_type type, skf_shape at) {
   const skf_batch_ops *ops = skf_batch_get(SKF_ISA_AVX2);
@@ -100,7 +108,7 @@ static void test_isas(void **state) {
         eval(fa, 0, POINTS, &a);
         eval(fb, 0, POINTS, &b);
         for (size_t i = 0; i < POINTS; i++) {
-          double d = difference(&e.primitive, &a, &b, i);
+          double d = difference(&e.primitive, &a, &b, i) / allowance(&e.primitive, place(&a, i));
           if (d <= worst) continue;
           worst = d, where = place(&a, i), body = e;
         }
