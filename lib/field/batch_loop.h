@@ -107,10 +107,12 @@ static inline double *pack1(double *k, double a) {
   *k = a;
   return k + 1;
 }
-/* The exponent c of 2^(c w) = exp(-a^2 w), rounded once, and what that loses */
-static inline double *pack_exponent(double *k, double a) {
-  const long double c = -1.4426950408889634074L * a * a;
-  return pack1(pack1(k, (double)c), (double)(c - (double)c));
+/* The exponent c of 2^(c w) = exp(-a^2 w), rounded once; and what that loses behind it */
+static inline long double exponent_of(double a) { return -1.4426950408889634074L * a * a; }
+static inline double *pack_exponent(double *k, double a) { return pack1(k, (double)exponent_of(a)); }
+static inline double *pack_exponent_low(double *k, double a) {
+  const long double c = exponent_of(a);
+  return pack1(pack_exponent(k, a), (double)(c - (double)c));
 }
 static inline double *pack3(double *k, skf_vec3 a) { return pack1(pack1(pack1(k, a.x), a.y), a.z); }
 /* The kernel's parameter, its square, 1 / both */

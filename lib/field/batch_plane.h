@@ -19,12 +19,11 @@ static double *plane_pack(const skf_prepared *e, double *k) {
   const double aa = e->kernel.param * e->kernel.param, pi = SKF_PI * e->strength;
   const bool aligned = (p->raw.x != 0) + (p->raw.y != 0) + (p->raw.z != 0) == 1;
   const int axis = p->raw.x != 0 ? 0 : p->raw.y != 0 ? 1 : 2;
-  double exponent[2];
-  pack_exponent(exponent, e->kernel.param);
+  const double exponent = (double)exponent_of(e->kernel.param);
   k = pack3(pack3(pack3(k, e->primitive.plane.through), p->raw), p->unit);
-  k = pack3(k, v3_scale(type == SKF_INVERSE_SQUARED ? 1 : -2 * pi / (type == SKF_GAUSSIAN ? exponent[0] : 1), p->unit));
+  k = pack3(k, v3_scale(type == SKF_INVERSE_SQUARED ? 1 : -2 * pi / (type == SKF_GAUSSIAN ? exponent : 1), p->unit));
   k = pack1(pack1(pack1(k, aligned ? axis : -1), v3_get(e->primitive.plane.through, axis)), v3_get(p->unit, axis));
-  k = pack1(pack_parameter(pack1(k, 1 / p->length), e), exponent[0]);
+  k = pack1(pack_parameter(pack1(k, 1 / p->length), e), exponent);
   return pack1(pack1(k, skf_kernel_get(type)->compact ? pi * aa : pi / aa), -2 * pi);
 }
 

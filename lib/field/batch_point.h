@@ -57,7 +57,7 @@ typedef struct gaussian_row {
 
 static double *gaussian_pack(const skf_prepared *e, double *k) {
   double aa = e->kernel.param * e->kernel.param;
-  k = pack_exponent(pack3(k, e->primitive.point.at), e->kernel.param);
+  k = pack_exponent_low(pack3(k, e->primitive.point.at), e->kernel.param);
   return pack1(pack1(k, e->strength), 2 * aa * e->strength);
 }
 
