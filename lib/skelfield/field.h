@@ -219,7 +219,7 @@ SKF_API void skf_field_f32_free(skf_field_f32 *field);
 
 /* As skf_field_eval, in the field's own units: the gradient is per length of x, not of p. With AVX2 or AVX-512, all but
    metaballs on segments, on arcs up to 0.1 rad, and Gaussian open arcs much longer than the kernel's width is evaluated
-   in floats, eight or sixteen points at once; everything else in doubles, then rounded. Error, in units of 6e-8 = 2^-24:
+   in floats, eight or sixteen points at once; everything else in doubles, then rounded. Error, in units of 2^-24:
    16 (triangles 512) of |F| and of |g|, and what F and g change when the point moves by 4 units of the largest
    |coordinate| of it or of the vertices; quartics and soft objects on segments twice all this, in rare places next to
    their rims; for sums, of the sum of the magnitudes. What exceeds the range of floats becomes infinite or, below 1e-36
