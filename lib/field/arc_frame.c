@@ -151,7 +151,7 @@ int skf_arc_pieces(const skf_arc_frame *f, bool angles, skf_arc_piece out[4]) {
   int n = 0, cut = f->a0 < 0 ? 0 : 1; /* -pi/4 <= a0 <= pi/4 */
   double cl = f->c0, sl = f->s0;
   for (bool first = true, last = false; !last; first = false, cut++) {
-    last = cut * (SKF_PI / 2) >= f->a1;
+    last = !(cut * (SKF_PI / 2) < f->a1); /* so that NaN ends, too */
     bool odd = (cut + f->behind) & 1;
     double ch = last ? f->c1 : odd ? 0 : 1, sh = last ? f->s1 : odd ? 1 : 0;
     skf_arc_piece p = fold(f, cl, sl, ch, sh, !first, !last, angles);

@@ -170,6 +170,29 @@ static void same_point(const skf_field *f, cloud *c) {
   }
 }
 
+/* What is not finite disturbs no other point. */
+static void test_infinite(void **state) {
+  (void)state;
+  uint64_t seed = 16;
+  static cloud a, b;
+  skf_element e[SKF_KERNEL_COUNT * SKF_SHAPE_COUNT];
+  size_t n = everything(&seed, e);
+  const double bad[] = {INFINITY, -INFINITY, NAN, 1e308};
+  for (int isa = 0; isa < ISAS; isa++)
+    for (size_t k = 0; k < n; k++) {
+      scatter(&seed, &e[k].primitive, 1, &a);
+      memcpy(&b, &a, sizeof a);
+      for (size_t i = k % 5; i < POINTS; i += 5) b.p[i % 3][i] = bad[i % 4];
+      skf_field *f = make(isas[isa], e + k, 1);
+      eval(f, 0, POINTS, &a);
+      eval(f, 0, POINTS, &b);
+      for (size_t i = 0; i < POINTS; i++)
+        if (i % 5 != k % 5)
+          assert_true(a.F[i] == b.F[i] && a.g[0][i] == b.g[0][i] && a.g[1][i] == b.g[1][i] && a.g[2][i] == b.g[2][i]);
+      skf_field_free(f);
+    }
+}
+
 /* A batch of one gives what a longer one does, to the sign of zero; lying in planes of symmetry, the body itself,
    negative. */
 static void test_sign(void **state) {
@@ -295,8 +318,9 @@ static void test_eight(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_isas),   cmocka_unit_test(test_place),
-                                     cmocka_unit_test(test_point),  cmocka_unit_test(test_sign),
-                                     cmocka_unit_test(test_scalar), cmocka_unit_test(test_eight)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_isas),     cmocka_unit_test(test_place),
+                                     cmocka_unit_test(test_point),    cmocka_unit_test(test_sign),
+                                     cmocka_unit_test(test_infinite), cmocka_unit_test(test_scalar),
+                                     cmocka_unit_test(test_eight)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
