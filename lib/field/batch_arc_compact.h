@@ -28,8 +28,9 @@ typedef struct disc_view {
 
 SKF_INLINE disc_view arc_disc(const compact_arc_row *c, const arc_view *f) {
   skf_vd zero = vd_set(0);
-  disc_view v = {.qa = c->R2 - f->alpha, .qb = c->R2 - f->beta};
+  disc_view v = {.qa = c->R2 - f->alpha};
   v.spread = vd_set(4) * c->arc.rho * f->k;
+  v.qb = v.qa - v.spread;
   v.cut = v.qb < zero;
   v.some = v.qa > zero;
   v.near = vd_set(1024) * vd_abs(v.qa) < c->R2;
@@ -67,7 +68,8 @@ typedef struct arc_moments {
   skf_vd m0, m1, m2, m3;
 } arc_moments;
 
-/* From the highest one by parts: sums of positive terms */
+/* Of short windows from the highest one by parts: sums of positive terms; of long ones, whose series would lose digits,
+   from the lowest */
 SKF_INLINE arc_moments window_moments(skf_vd half, skf_vd sin, skf_vd cos, bool cubes) {
   /* int sin^4 / half^5 and int sin^6 / half^7 in half^2 */
 #ifdef SKF_VEC_FLOAT /* 1e-9, 6e-9 */
@@ -98,6 +100,13 @@ SKF_INLINE arc_moments window_moments(skf_vd half, skf_vd sin, skf_vd cos, bool 
     m.m2 = up * vd_estrin(fourth, sizeof fourth / sizeof *fourth, y);
   }
   m.m1 = vd_fma(vd_set(4. / 3), m.m2, vd_set(2. / 3) * (part * ss));
+  skf_vi wide = half > vd_set(1);
+  skf_vd m1 = half - part, m2 = vd_fms(vd_set(0.75), m1, vd_set(0.5) * (part * ss));
+  m.m1 = vd_select(wide, m1, m.m1), m.m2 = vd_select(wide, m2, m.m2);
+  if (cubes) {
+    skf_vd m3 = vd_fms(vd_set(5. / 6), m2, vd_set(1. / 3) * (part * (ss * ss)));
+    m.m3 = vd_select(wide, m3, m.m3);
+  }
   return m;
 }
 

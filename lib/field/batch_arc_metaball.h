@@ -31,14 +31,15 @@ typedef struct shells_view {
 SKF_INLINE shells_view arc_shells(const compact_arc_row *c, const arc_view *f) {
   skf_vd zero = vd_set(0), one = vd_set(1), third2 = c->R2 * vd_set(1. / 9);
   shells_view v = {.disc = arc_disc(c, f)};
-  skf_vd per = one / vd_select(v.disc.spread > zero, v.disc.spread, one);
   skf_vd in = third2 - f->alpha, out = f->beta - third2;
   skf_vi whole = out <= zero, split = (in > zero) & ~whole;
   v.cored = v.disc.some & (whole | (in > zero));
+  /* sums of these differences, not `spread`, so that the squares add up to 1 in a large support, too */
+  skf_vd per = one / vd_select(split, in + out, one), per_rim = one / vd_select(v.disc.cut, v.disc.qa - v.disc.qb, one);
   v.core.s = vd_select(split, vd_sqrt(vd_max(in, zero) * per), (skf_vd)((skf_vi)one & whole));
   v.core.c = vd_select(split, vd_sqrt(vd_max(out, zero) * per), (skf_vd)((skf_vi)one & ~whole));
-  v.rim.s = vd_select(v.disc.cut, vd_sqrt(vd_max(v.disc.qa, zero) * per), one);
-  v.rim.c = vd_select(v.disc.cut, vd_sqrt(vd_max(-v.disc.qb, zero) * per), zero);
+  v.rim.s = vd_select(v.disc.cut, vd_sqrt(vd_max(v.disc.qa, zero) * per_rim), one);
+  v.rim.c = vd_select(v.disc.cut, vd_sqrt(vd_max(-v.disc.qb, zero) * per_rim), zero);
   return v;
 }
 
