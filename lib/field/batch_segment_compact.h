@@ -101,8 +101,11 @@ SKF_INLINE skf_vvalue chord_end(const chord_row *c, const chord_state *s, bool c
   const double c2 = cubic ? 5. / 9 : 1, c3 = 4. / 9;
   const skf_vd zero = vd_set(0);
   skf_vd gap_lo = vd_max(s->T - s->t, zero), gap_hi = vd_max((s->T + s->t) - c->L, zero);
-  skf_vd half = vd_max(vd_fnma(vd_set(0.5), gap_lo + gap_hi, s->T), zero), A = gap_hi + half, B = gap_lo + half;
-  skf_vd p = A * B, cc = half * half, e = half * (gap_hi - gap_lo), ee = e * e, pc = p - cc;
+  skf_vd half = vd_max(vd_fnma(vd_set(0.5), gap_lo + gap_hi, s->T), zero);
+  half =
+      vd_select((gap_lo > zero) & (gap_hi > zero), vd_set(0.5) * c->L, half); /* a short segment in a large support */
+  skf_vd A = gap_hi + half, B = gap_lo + half, p = A * B, cc = half * half, e = half * (gap_hi - gap_lo), ee = e * e,
+         pc = p - cc;
   skf_vd M1 = vd_fnma(vd_set(1. / 3), cc, p), M2 = p * vd_fnma(vd_set(2. / 3), cc, p);
   M2 = vd_fma(vd_set(1. / 3), ee, vd_fma(vd_set(0.2) * cc, cc, M2));
   skf_vd F = vd_set(c2) * M2, g = vd_set(2 * c2) * M1, ends = vd_set(2 * c2) * pc;
@@ -309,7 +312,7 @@ SKF_INLINE void metaball_segment_begin(const segment_row *c, skf_v3d x, metaball
   skf_vd beside = vd_max(vd_max(s->t0, -s->t1), zero), nearest = vd_fma(beside, beside, s->h2);
   skf_vi rim = vd_set(1024) * vd_min(vd_abs(q0), vd_abs(q1)) < R2;
   rim |= ~(in0 | in1) & (vd_set(1024) * vd_abs(Q) < R2);
-  s->thin = s->some & (nearest > vd_set(0.64) * R2);
+  s->thin = s->some & (nearest > vd_set(0.6) * R2);
   s->good = ~(rim | (s->some & (vd_set(256) * s->h2 <= near))) & (n0 + n1 < vd_set(INFINITY));
 }
 

@@ -51,6 +51,22 @@ static double excess(const skf_field *f, skf_vec3 x, double moved, double units,
   return fmax(fabs((double)F[i] - want) / slack, v3_dist(got, G) / slack_g);
 }
 
+/* The worst of an element at scattered points, in allowed errors */
+static double element_excess(uint64_t *seed, const skf_element *e, double units) {
+  double worst = 0;
+  scatter(seed, &e->primitive);
+  skf_field *f = make(e, 1);
+  eval(f, v3(0, 0, 0), 1);
+  for (int i = 0; i < POINTS; i++) {
+    skf_vec3 x = local(i);
+    double d = skf_primitive_distance(&e->primitive, x), size = fmax(v3_norm(x), 1.8), moved = 4 * ulp * size;
+    if (d < 8 * moved) continue; /* where the point ends up is anyone's guess */
+    worst = fmax(worst, excess(f, x, moved, units, 1e-36, i));
+  }
+  skf_field_free(f);
+  return worst;
+}
+
 static void test_pairs(void **state) {
   (void)state;
   uint64_t seed = 31;
@@ -61,21 +77,26 @@ static void test_pairs(void **state) {
       for (int n = 0; n < repeats; n++) {
         skf_element e = {.kernel = {(skf_kernel_type)k, rnd(&seed, 0.3, 3), NULL}, .strength = n % 2 ? -0.7 : 1};
         rnd_primitive(&seed, (skf_shape)s, 1, &e.primitive);
-        scatter(&seed, &e.primitive);
-        skf_field *f = make(&e, 1);
-        eval(f, v3(0, 0, 0), 1);
-        for (int i = 0; i < POINTS; i++) {
-          skf_vec3 x = local(i);
-          double d = skf_primitive_distance(&e.primitive, x), size = fmax(v3_norm(x), 1.8), moved = 4 * ulp * size;
-          if (d < 8 * moved) continue; /* where the point ends up is anyone's guess */
-          worst = fmax(worst, excess(f, x, moved, units, 1e-36, i));
-        }
-        skf_field_free(f);
+        worst = fmax(worst, element_excess(&seed, &e, units));
       }
       print_message("%-16s %-9s %.2f of the allowed error\n", skf_kernel_get((skf_kernel_type)k)->name,
                     skf_shape_get((skf_shape)s)->name, worst);
       assert_true(worst <= 1);
     }
+}
+
+/* Supports many times as large as what is in them */
+static void test_wide(void **state) {
+  (void)state;
+  static const skf_kernel_type kernels[] = {SKF_METABALL, SKF_SOFT_OBJECT, SKF_QUARTIC};
+  static const skf_shape shapes[] = {SKF_SEGMENT, SKF_ARC};
+  uint64_t seed = 34;
+  for (int n = 0; n < 120; n++) {
+    skf_element e = {.kernel = {kernels[n % 3], pow(10, rnd(&seed, 0, 1.5)), NULL}, .strength = 1};
+    rnd_primitive(&seed, shapes[n / 3 % 2], 1, &e.primitive);
+    double worst = element_excess(&seed, &e, 16);
+    if (!(worst <= 2)) fail_msg("%s, R = %g: %.2f", skf_kernel_get(kernels[n % 3])->name, e.kernel.param, worst);
+  }
 }
 
 /* The same body and points a million lengths away and ten million times larger give the same floats, scaled. */
@@ -189,7 +210,8 @@ static void test_overflow(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_pairs), cmocka_unit_test(test_frame),
-                                     cmocka_unit_test(test_sum), cmocka_unit_test(test_overflow)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_pairs), cmocka_unit_test(test_wide),
+                                     cmocka_unit_test(test_frame), cmocka_unit_test(test_sum),
+                                     cmocka_unit_test(test_overflow)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
