@@ -88,6 +88,7 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
 
 #define SKF_BATCH_COMMON(name, row_name, again, inner)                                                                 \
   typedef row_name##_row name##_row;                                                                                   \
+  _Static_assert(sizeof(name##_row) / sizeof(skf_vd) < SKF_ROW_MAX, "with the strength");                              \
   enum { name##_inner = (inner) };                                                                                     \
   SKF_INLINE skf_vvalue name##_again(const name##_row *row, skf_v3d x) {                                               \
     (void)row, (void)x;                                                                                                \
