@@ -28,7 +28,7 @@ SKF_INLINE arc_view arc_see(const arc_row *c, skf_v3d x) {
   skf_v3d d = vd3_sub(x, c->center);
   skf_vd u = vd3_dot(d, c->e), v = vd3_dot(d, c->f), rho = c->rho, zero = vd_set(0);
   arc_view f = {.k = vd_sqrt(vd_fma(u, u, v * v)), .z = vd3_dot(d, c->n)};
-  skf_vi off = f.k > zero; /* the axis */
+  skf_vi off = f.k > vd_set(SKF_PICK(1e-30, 1e-18)) * rho; /* the axis; much nearer, squares lose their digits */
   skf_vd per = vd_set(1) / vd_select(off, f.k, rho);
   f.ux = vd_select(off, u * per, vd_set(1));
   f.uy = vd_select(off, v * per, zero);

@@ -72,7 +72,8 @@ SKF_INLINE void inverse_arc_arguments(const arc_row *c, inverse_arc_state *s) {
   skf_vd one3 = vd_fma(up, r0, down * r1), two3 = vd_fma(spread, ss * ss, s->f.alpha);
   skf_vd U1 = vd_select(apart, two1, one1) * per, U2 = vd_select(apart, two2, one2) * per,
          U3 = vd_select(apart, two3, one3) * per;
-  s->f.good &= vd_sane(rr) & vd_sane(U2) & vd_sane(U3) & (U2 > zero) & (U3 > zero);
+  s->f.good &=
+      vd_sane(rr) & (rr < vd_set(SKF_PICK(1e90, INFINITY))) & vd_sane(U2) & vd_sane(U3) & (U2 > zero) & (U3 > zero);
   s->U1 = U1, s->U3 = U3;
   s->d = vd_carlson_begin(vd_abs(U1), U2, U3);
   vd_carlson_twice(&s->d, 0x1p-2);

@@ -75,7 +75,7 @@ SKF_INLINE void plane_gauge(const plane_row *c, int mode, size_t n, const skf_v3
       continue;
     }
     z[u] = plane_plain(c, vd3_sub(x[u], c->through), &enough);
-    z[u] = vd_select((skf_vi)enough, nan, z[u]);
+    z[u] = vd_select(enough >= vd_set(0), z[u], nan);
   }
 }
 #define plane_mode(row)        (vi_all(plane_aligned(row)) ? SKF_PLAIN : SKF_MIXED)
