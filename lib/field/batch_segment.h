@@ -171,32 +171,6 @@ SKF_INLINE void cauchy_segment_begin(const cauchy_span_row *c, skf_v3d x, cauchy
   skf_vd P2 = vd_fma(c->at.param2, vd3_dot(w, w), vd_set(1));
   s->w = w, s->T0 = -T, s->P2 = P2, s->WW = vd_fma(T, T, P2) * vd_fma(T1, T1, P2);
 }
-
-SKF_INLINE void cauchy_segment_turn(const cauchy_span_row *c, cauchy_segment_state *s) {
-  (void)c;
-  s->P = vd_sqrt(s->P2), s->per_WW = vd_set(1) / s->WW, s->per_P2 = vd_set(1) / s->P2;
-}
-
-SKF_INLINE void cauchy_segment_middle(const cauchy_span_row *c, cauchy_segment_state *s) {
-  skf_vangle a = vd_angle_parts(c->L * s->P, vd_fma(s->T0, s->T0 + c->L, s->P2));
-  s->offset = a.offset, s->angle = a.top / a.bottom;
-  s->P *= s->per_P2;
-}
-
-SKF_INLINE void cauchy_segment_series(const cauchy_span_row *c, cauchy_segment_state *s) {
-  (void)c;
-  s->angle = vd_angle_series(s->offset, s->angle);
-}
-
-SKF_INLINE skf_vvalue cauchy_segment_end(const cauchy_span_row *c, const cauchy_segment_state *s) {
-  skf_vd T0 = s->T0, T1 = T0 + c->L, P2 = s->P2, per_P2 = s->per_P2, TT = T0 * T1, sum = T0 + T1;
-  skf_vd L_WW = c->L * s->per_WW, L_WW2 = L_WW * s->per_WW, ends1 = (P2 - TT) * L_WW;
-  skf_vd both = vd_fma(s->angle, s->P, ends1), I2 = both * per_P2, wide = vd_fma(sum, sum, (P2 + P2) - TT);
-  skf_vd ends2 = vd_fms(P2, P2, TT * wide) * L_WW2, g = c->g * per_P2 * vd_fma(vd_set(1.5), I2, ends2);
-  skf_vi good = (vd_fma(vd_set(0.25), ends1, both) > vd_set(0)) & (vd_fma(vd_set(1.25), I2, ends2) > vd_set(0)) &
-                (s->per_WW * per_P2 > vd_set(1e-15));
-  return (skf_vvalue){c->F * I2, vd3_mad(vd3_scale(sum * (wide - TT) * L_WW2, c->along), g, s->w), good};
-}
 #else
 typedef struct cauchy_segment_state {
   skf_v3d w;
@@ -213,6 +187,7 @@ SKF_INLINE void cauchy_segment_begin(const cauchy_span_row *c, skf_v3d x, cauchy
   s->w = w, s->T0 = -T, s->P2 = P2, s->W_sum = W0 + W1, s->WW = W0 * W1;
   s->good = vd_fma(vd_set(257), P2, c->thin) > W0; /* t^2 < 256 h^2 + (4 / (s^2 L))^2 */
 }
+#endif
 
 SKF_INLINE void cauchy_segment_turn(const cauchy_span_row *c, cauchy_segment_state *s) {
   (void)c;
@@ -225,6 +200,22 @@ SKF_INLINE void cauchy_segment_middle(const cauchy_span_row *c, cauchy_segment_s
   s->P *= s->per_P2;
 }
 
+#ifdef SKF_VEC_FLOAT
+SKF_INLINE void cauchy_segment_series(const cauchy_span_row *c, cauchy_segment_state *s) {
+  (void)c;
+  s->angle = vd_angle_series(s->offset, s->angle);
+}
+
+SKF_INLINE skf_vvalue cauchy_segment_end(const cauchy_span_row *c, const cauchy_segment_state *s) {
+  skf_vd T0 = s->T0, T1 = T0 + c->L, P2 = s->P2, per_P2 = s->per_P2, TT = T0 * T1, sum = T0 + T1;
+  skf_vd L_WW = c->L * s->per_WW, L_WW2 = L_WW * s->per_WW, ends1 = (P2 - TT) * L_WW;
+  skf_vd both = vd_fma(s->angle, s->P, ends1), I2 = both * per_P2, wide = vd_fma(sum, sum, (P2 + P2) - TT);
+  skf_vd ends2 = vd_fms(P2, P2, TT * wide) * L_WW2, g = c->g * per_P2 * vd_fma(vd_set(1.5), I2, ends2);
+  skf_vi good = (vd_fma(vd_set(0.25), ends1, both) > vd_set(0)) & (vd_fma(vd_set(1.25), I2, ends2) > vd_set(0)) &
+                (s->per_WW * per_P2 > vd_set(1e-15));
+  return (skf_vvalue){c->F * I2, vd3_mad(vd3_scale(sum * (wide - TT) * L_WW2, c->along), g, s->w), good};
+}
+#else
 SKF_INLINE void cauchy_segment_series(const cauchy_span_row *c, cauchy_segment_state *s) {
   (void)c;
   s->angle = vd_angle_series(s->offset, s->angle) * s->P;
