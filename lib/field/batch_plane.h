@@ -36,7 +36,7 @@ SKF_INLINE skf_vd plane_careful(const plane_row *c, skf_v3d x) {
   return t + low;
 }
 
-/* unit . d (0 is added so that heights of 0 are never negative). Negative, or NaN, in *enough where it is less than a
+/* unit . d (0 is added so that heights of 0 are never negative). Not positive in *enough where it is less than a
    256th of what cancels in it. */
 SKF_INLINE skf_vd plane_plain(const plane_row *c, skf_v3d d, skf_vd *enough) {
   const skf_vd one = vd_fma(d.x, c->unit.x, vd_set(0)), two = vd_fma(d.y, c->unit.y, one);
@@ -62,7 +62,7 @@ SKF_INLINE void plane_measure(const plane_row *c, int mode, size_t n, const skf_
     }
     z[u] = plane_plain(c, d, &enough);
     if (mode == SKF_PLAIN) continue;
-    const skf_vi close = ~((enough >= zero) | aligned);
+    const skf_vi close = ~((enough > zero) | aligned);
     if (vi_any(close)) z[u] = vd_select(close, plane_careful(c, x[u]) * c->per_length, z[u]);
   }
 }
@@ -75,7 +75,7 @@ SKF_INLINE void plane_gauge(const plane_row *c, int mode, size_t n, const skf_v3
       continue;
     }
     z[u] = plane_plain(c, vd3_sub(x[u], c->through), &enough);
-    z[u] = vd_select(enough >= vd_set(0), z[u], nan);
+    z[u] = vd_select(enough > vd_set(0), z[u], nan);
   }
 }
 #define plane_mode(row)        (vi_all(plane_aligned(row)) ? SKF_PLAIN : SKF_MIXED)
