@@ -102,8 +102,8 @@ SKF_INLINE skf_vvalue chord_end(const chord_row *c, const chord_state *s, bool c
   const skf_vd zero = vd_set(0);
   skf_vd gap_lo = vd_max(s->T - s->t, zero), gap_hi = vd_max((s->T + s->t) - c->L, zero);
   skf_vd half = vd_max(vd_fnma(vd_set(0.5), gap_lo + gap_hi, s->T), zero);
-  half =
-      vd_select((gap_lo > zero) & (gap_hi > zero), vd_set(0.5) * c->L, half); /* a short segment in a large support */
+  skf_vi inside = (gap_lo > zero) & (gap_hi > zero); /* it may be short in a large support */
+  half = vd_select(inside, vd_set(0.5) * c->L, half);
   skf_vd A = gap_hi + half, B = gap_lo + half, p = A * B, cc = half * half, e = half * (gap_hi - gap_lo), ee = e * e,
          pc = p - cc;
   skf_vd M1 = vd_fnma(vd_set(1. / 3), cc, p), M2 = p * vd_fnma(vd_set(2. / 3), cc, p);
@@ -289,7 +289,7 @@ SKF_INLINE skf_vvalue metaball_clipped(const segment_row *c, skf_v3d x, bool exa
 #ifndef SKF_VEC_FLOAT /* floats leave twice the error that they may */
 /* A segment that is not short beside R, lanes that are neither near the rim nor next to the axis: with k_R = (1 - r /
    R)^2 to R, h = 3/2 k_R - 1/2 k_{R/3}, each by its antiderivative at the ends of what of the segment is in its ball;
-   the logarithms, int dt / r over the shell, are one. Where all is farther than 0.8 R the terms would cancel. */
+   the logarithms, int dt / r over the shell, are one. Where all is farther than 0.77 R the terms would cancel. */
 typedef struct metaball_segment_state {
   skf_v3d w;                          /* from the axis to x */
   skf_vd t0, t1, r0, r1, h2;          /* r: squares at first */
@@ -365,7 +365,7 @@ SKF_INLINE skf_vvalue metaball_segment_end(const segment_row *c, const metaball_
   return metaball_segment_sum(c, s, F, g, s->good & ~s->thin);
 }
 
-/* Where all is farther than 0.8 R nodes leave 2e-16, the gradient 4e-16; in units of R. */
+/* Nodes: where all is farther than 0.8 R they leave 2e-16, the gradient 4e-16; in units of R. */
 SKF_INLINE skf_vvalue metaball_segment_thin(const segment_row *c, skf_v3d x) {
   enum { NODES = 16 };
   metaball_segment_state s;
