@@ -37,7 +37,12 @@ static inline void rnd_primitive(uint64_t *state, skf_shape shape, double scale,
     break;
   }
   case SKF_TRIANGLE: p->triangle = (skf_triangle){{a, b, c}}; break;
-  case SKF_PLANE: p->plane = (skf_plane){v3_scale(0.3, a), n}; break;
+  case SKF_PLANE: /* a third of all along an axis, facing either way */
+    if (fabs(n.x) > 0.9) n = v3(n.x, 0, 0);
+    if (fabs(n.y) > 0.9) n = v3(0, n.y, 0);
+    if (fabs(n.z) > 0.9) n = v3(0, 0, n.z);
+    p->plane = (skf_plane){v3_scale(0.3, a), n};
+    break;
   case SKF_SOLID: /* it has tests of its own */
   case SKF_SHAPE_COUNT: break;
   }

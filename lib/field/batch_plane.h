@@ -5,12 +5,13 @@
 
 #include "field/batch_loop.h"
 
-/* axis: that of the normal, or -1 where it is along none; its coordinates of `through` and `unit`; along: the normal
-   times -2 pi and the strength, for Gaussians by the exponent, too, for 1 / r^2 the unit normal; s or R, its square, 1
-   / both; the strength times pi s^-2 or pi R^2, and times -2 pi */
+/* axis: that of the normal, or -1 where it is along none, and its coordinate of `through`; along: the normal times -2 pi
+   and the strength, for Gaussians by the exponent, too, for 1 / r^2 the unit normal; s or R, its square, 1 / both; the
+   strength times pi s^-2 or pi R^2, and times -2 pi. Which side is above does not matter: along an axis it is where its
+   coordinate is larger. */
 typedef struct plane_row {
   skf_v3d through, raw, unit, along;
-  skf_vd axis, at, toward, per_length, param, param2, per_param, per_param2, exponent, F, slope;
+  skf_vd axis, at, per_length, param, param2, per_param, per_param2, exponent, F, slope;
 } plane_row;
 
 static double *plane_pack(const skf_prepared *e, double *k) {
@@ -19,10 +20,11 @@ static double *plane_pack(const skf_prepared *e, double *k) {
   const double aa = e->kernel.param * e->kernel.param, pi = SKF_PI * e->strength;
   const bool aligned = (p->raw.x != 0) + (p->raw.y != 0) + (p->raw.z != 0) == 1;
   const int axis = p->raw.x != 0 ? 0 : p->raw.y != 0 ? 1 : 2;
-  const double exponent = (double)exponent_of(e->kernel.param);
-  k = pack3(pack3(pack3(k, e->primitive.plane.through), p->raw), p->unit);
-  k = pack3(k, v3_scale(type == SKF_INVERSE_SQUARED ? 1 : -2 * pi / (type == SKF_GAUSSIAN ? exponent : 1), p->unit));
-  k = pack1(pack1(pack1(k, aligned ? axis : -1), v3_get(e->primitive.plane.through, axis)), v3_get(p->unit, axis));
+  const double exponent = (double)exponent_of(e->kernel.param), at = v3_get(e->primitive.plane.through, axis);
+  const skf_vec3 unit = aligned ? v3(axis == 0, axis == 1, axis == 2) : p->unit;
+  k = pack3(pack3(pack3(k, e->primitive.plane.through), p->raw), unit);
+  k = pack3(k, v3_scale(type == SKF_INVERSE_SQUARED ? 1 : -2 * pi / (type == SKF_GAUSSIAN ? exponent : 1), unit));
+  k = pack1(pack1(k, aligned ? axis : -1), at == 0 ? -0. : at); /* x - at is never -0 */
   k = pack1(pack_parameter(pack1(k, 1 / p->length), e), exponent);
   return pack1(pack1(k, skf_kernel_get(type)->compact ? pi * aa : pi / aa), -2 * pi);
 }
@@ -67,15 +69,14 @@ SKF_INLINE void plane_measure(const plane_row *c, int mode, size_t n, const skf_
   }
 }
 SKF_INLINE void plane_gauge(const plane_row *c, int mode, size_t n, const skf_v3d *x, skf_vd *z) {
-  const skf_vd nan = (skf_vd)vi_set(-1);
   skf_vd enough;
   SKF_EACH(u, n) {
     if (mode == SKF_PLAIN) {
-      z[u] = vd_fma(x[u].x - c->at, c->toward, vd_set(0));
+      z[u] = x[u].x - c->at;
       continue;
     }
     z[u] = plane_plain(c, vd3_sub(x[u], c->through), &enough);
-    z[u] = vd_select(enough > vd_set(0), z[u], nan);
+    z[u] = (skf_vd)((skf_vi)z[u] | ~(enough > vd_set(0)));
   }
 }
 #define plane_mode(row)        (vi_all(plane_aligned(row)) ? SKF_PLAIN : SKF_MIXED)
@@ -147,7 +148,7 @@ SKF_INLINE void inverse_squared_plane_middle(const plane_row *c, inverse_squared
   s->z = c->slope / s->z;
 }
 SKF_INLINE void inverse_squared_plane_late(const plane_row *c, inverse_squared_plane_state *s) {
-  s->l.top = c->slope * vd_log_series(s->l.count, s->l.top);
+  s->l.top = c->slope * vd_log_one_series(s->l.count, s->l.top);
 }
 SKF_INLINE skf_vi inverse_squared_plane_end(const plane_row *c, const inverse_squared_plane_state *s, skf_vd *F,
                                             skf_vd *slope) {

@@ -67,6 +67,13 @@ typedef __m256d skf_mm;
 
 /* (a - 0 is a, the sign of 0 with it.) */
 SKF_INLINE skf_vd vd_set(double a) { return (skf_real)a - (skf_vd){0}; }
+/* v, but compilers don't see what it is: a constant that is added and subtracted then stands there once. */
+SKF_INLINE skf_vd vd_held(skf_vd v) {
+#ifdef __AVX__
+  __asm__("" : "+x"(v));
+#endif
+  return v;
+}
 SKF_INLINE skf_vi vi_set(long long a) { return (skf_whole)a - (skf_vi){0}; }
 
 SKF_INLINE skf_vd vd_load(const skf_real *p) {

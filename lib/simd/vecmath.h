@@ -73,15 +73,25 @@ SKF_INLINE skf_vd vd_log_series_by(skf_vd by, skf_vd count, skf_vd t) {
   return vd_fma(count, by * vd_set(c[0] / VD_LOG_UNIT), s * t);
 }
 SKF_INLINE skf_vd vd_log_series(skf_vd count, skf_vd t) { return vd_log_series_by(vd_set(1), count, t); }
+SKF_INLINE skf_vd vd_log_one_series(skf_vd count, skf_vd t) { return vd_log_series(count, t); }
 #else
+SKF_INLINE skf_vd vd_log_sum(skf_vd count, skf_vd t, skf_vd rest) {
+  const skf_vd twice = t + t, series = vd_fma(twice * (t * t), rest, twice);
+  return vd_fma(count, vd_set(0.69314718055994531), series); /* log 2 is off by less than a third of half an ulp */
+}
 SKF_INLINE skf_vd vd_log_series(skf_vd count, skf_vd t) {
   /* (atanh(t) / t - 1) / t^2: 3e-18 */
   static const double c[] = {0.33333333333333327754,  0.20000000000014813956,  0.14285714279270011385,
                              0.1111111217730151712,   0.090908226632058733025, 0.076960982004333991369,
                              0.065752223845082355045, 0.070110979035245868007};
-  skf_vd tt = t * t, twice = t + t;
-  skf_vd series = vd_fma(twice * tt, vd_halves(c, sizeof c / sizeof *c, tt), twice);
-  return vd_fma(count, vd_set(0.69314718055994531), series); /* log 2 is off by less than a third of half an ulp */
+  return vd_log_sum(count, t, vd_halves(c, sizeof c / sizeof *c, t * t));
+}
+/* The same after vd_log_one, t^2 < 0.0304: 6e-18 */
+SKF_INLINE skf_vd vd_log_one_series(skf_vd count, skf_vd t) {
+  static const double c[] = {0.33333333333333353687, 0.19999999999937626005,  0.14285714318388431643,
+                             0.1111110470168566039,  0.09091506506334068316,  0.07663838516721432903,
+                             0.073327779238463675071};
+  return vd_log_sum(count, t, vd_halves(c, sizeof c / sizeof *c, t * t));
 }
 #endif
 
@@ -102,7 +112,8 @@ SKF_INLINE skf_vlog vd_log_one(skf_vd a) {
   skf_vd count = (skf_vd)(k | vi_set(0x4330000000000000)) - vd_set(0x1p52 + SKF_BIAS);
   skf_vd near = (skf_vd)((skf_vi)a - (k << SKF_MANTISSA) + vi_set((long long)SKF_BIAS << SKF_MANTISSA));
 #endif
-  return (skf_vlog){count, near - vd_set(1), near + vd_set(1)};
+  const skf_vd one = vd_held(vd_set(1));
+  return (skf_vlog){count, near - one, near + one};
 }
 
 /* atan2(y, x) for y >= 0, y and x not both 0, is offset + atan t, |t| = |top / bottom| <= tan(pi / 8); in floats, whose

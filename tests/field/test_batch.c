@@ -208,7 +208,7 @@ static void test_sign(void **state) {
           if (s == SKF_SEGMENT) at->segment = (skf_segment){{-1, 0, 0}, {1, 0, 0}};
           if (s == SKF_ARC) at->arc = (skf_arc){{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1, n > 1 ? 2 : 2 * SKF_PI};
           if (s == SKF_TRIANGLE) at->triangle = (skf_triangle){{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}};
-          if (s == SKF_PLANE) at->plane = (skf_plane){{0, 0, 0}, {0, 0, 1}};
+          if (s == SKF_PLANE) at->plane = (skf_plane){{0, 0, 0}, {0, 0, n > 1 ? 1 : -1}};
           e[1] = e[2] = e[0];
           skf_field *f = make(isas[isa], e, n);
           for (size_t i = 0; i < POINTS; i++)
