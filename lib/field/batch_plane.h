@@ -38,12 +38,12 @@ SKF_INLINE skf_vd plane_careful(const plane_row *c, skf_v3d x) {
   return t + low;
 }
 
-/* unit . d (0 is added so that heights of 0 are never negative). Not positive in *enough where it is less than a
-   256th of what cancels in it. */
-SKF_INLINE skf_vd plane_plain(const plane_row *c, skf_v3d d, skf_vd *enough) {
+/* unit . d (0 is added so that heights of 0 are never negative), and where it is less than a 256th of what cancels in
+   it. */
+SKF_INLINE skf_vd plane_plain(const plane_row *c, skf_v3d d, skf_vi *close) {
   const skf_vd one = vd_fma(d.x, c->unit.x, vd_set(0)), two = vd_fma(d.y, c->unit.y, one);
-  const skf_vd z = vd_fma(d.z, c->unit.z, two), much = vd_set(256) * z;
-  *enough = vd_fms(much, much, vd_fma(two, two, one * one));
+  const skf_vd z = vd_fma(d.z, c->unit.z, two), much = vd_max(vd_abs(one), vd_abs(two));
+  *close = (skf_vi)much > (skf_vi)vd_abs(z) + vi_set(8ll << SKF_MANTISSA);
   return z;
 }
 
@@ -55,28 +55,28 @@ SKF_INLINE void plane_measure(const plane_row *c, int mode, size_t n, const skf_
   SKF_EACH(u, n) {
     const skf_vd zero = vd_set(0);
     const skf_vi aligned = plane_aligned(c);
-    skf_vd enough;
+    skf_vi close;
     skf_v3d d = vd3_sub(x[u], c->through);
     if (mode != SKF_PLAIN) { /* as if plane_gauge had not read them */
       d.x = vd_select(aligned & (c->unit.x == zero), zero, d.x);
       d.y = vd_select(aligned & (c->unit.y == zero), zero, d.y);
       d.z = vd_select(aligned & (c->unit.z == zero), zero, d.z);
     }
-    z[u] = plane_plain(c, d, &enough);
+    z[u] = plane_plain(c, d, &close);
     if (mode == SKF_PLAIN) continue;
-    const skf_vi close = ~((enough > zero) | aligned);
+    close &= ~aligned;
     if (vi_any(close)) z[u] = vd_select(close, plane_careful(c, x[u]) * c->per_length, z[u]);
   }
 }
 SKF_INLINE void plane_gauge(const plane_row *c, int mode, size_t n, const skf_v3d *x, skf_vd *z) {
-  skf_vd enough;
+  skf_vi close;
   SKF_EACH(u, n) {
     if (mode == SKF_PLAIN) {
       z[u] = x[u].x - c->at;
       continue;
     }
-    z[u] = plane_plain(c, vd3_sub(x[u], c->through), &enough);
-    z[u] = (skf_vd)((skf_vi)z[u] | ~(enough > vd_set(0)));
+    z[u] = plane_plain(c, vd3_sub(x[u], c->through), &close);
+    z[u] = (skf_vd)((skf_vi)z[u] | close);
   }
 }
 #define plane_mode(row)        (vi_all(plane_aligned(row)) ? SKF_PLAIN : SKF_MIXED)
