@@ -337,8 +337,8 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
   }                                                                                                                    \
   SKF_BATCH_ALL(name, way)
 
-/* One vector ends while four others are late, in the middle, begun and measured: no chain of operations is then longer
-   than what the processor looks ahead. */
+/* One vector ends while five others are late, in the middle, begun and measured, these by twos: no chain of operations
+   is then longer than what the processor looks ahead. */
 #define SKF_BATCH_ONE_BY_ONE(name, way)                                                                                \
   SKF_BATCH_APART(name)                                                                                                \
   SKF_BATCH_MEASURES(name, way)                                                                                        \
@@ -346,34 +346,39 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
                                 const double *const p[3], const double *const from[3], double *const out[4],           \
                                 bool more) {                                                                           \
     const size_t step = SKF_LANES;                                                                                     \
-    skf_vd w, F, slope;                                                                                                \
+    size_t i = 0;                                                                                                      \
+    skf_vd w[2], next[2], F, slope;                                                                                    \
     name##_state begun, there, late;                                                                                   \
-    if (n < 4 * step) return 0;                                                                                        \
-    name##_gauge(row, mode, 1, from, 0, &w);                                                                           \
-    name##_begin(row, w, &late);                                                                                       \
+    if (n < 6 * step) return 0;                                                                                        \
+    name##_gauge(row, mode, 2, from, 0, w);                                                                            \
+    name##_begin(row, w[0], &late);                                                                                    \
     name##_middle(row, &late);                                                                                         \
     name##_late(row, &late);                                                                                           \
-    name##_gauge(row, mode, 1, from, step, &w);                                                                        \
-    name##_begin(row, w, &there);                                                                                      \
+    name##_begin(row, w[1], &there);                                                                                   \
     name##_middle(row, &there);                                                                                        \
-    name##_gauge(row, mode, 1, from, 2 * step, &w);                                                                    \
-    name##_begin(row, w, &begun);                                                                                      \
-    name##_gauge(row, mode, 1, from, 3 * step, &w);                                                                    \
-    SKF_ROLLED for (size_t i = 0; i < n; i += step) {                                                                  \
-      const skf_vi good = name##_end(row, &late, &F, &slope);                                                          \
-      late = there;                                                                                                    \
-      name##_late(row, &late);                                                                                         \
-      there = begun;                                                                                                   \
-      name##_middle(row, &there);                                                                                      \
-      name##_begin(row, w, &begun);                                                                                    \
-      name##_gauge(row, mode, 1, from, index_hide(i + 4 * step < n ? i + 4 * step : i), &w);                           \
-      i = index_hide(i);                                                                                               \
-      if (__builtin_expect(vi_all(good), 1))                                                                           \
-        name##_keep(row, 1, p, i, &F, &slope, out, more);                                                              \
-      else                                                                                                             \
-        name##_apart(tile, j, 1, p, i, out, more);                                                                     \
+    name##_gauge(row, mode, 2, from, 2 * step, w);                                                                     \
+    name##_begin(row, w[0], &begun);                                                                                   \
+    name##_gauge(row, mode, 2, from, 4 * step, next);                                                                  \
+    SKF_ROLLED for (; i + 2 * step <= n; i += 2 * step) {                                                              \
+      SKF_EACH(u, 2) {                                                                                                 \
+        const skf_vi good = name##_end(row, &late, &F, &slope);                                                        \
+        late = there;                                                                                                  \
+        name##_late(row, &late);                                                                                       \
+        there = begun;                                                                                                 \
+        name##_middle(row, &there);                                                                                    \
+        name##_begin(row, u ? next[0] : w[1], &begun);                                                                 \
+        if (u) {                                                                                                       \
+          w[1] = next[1];                                                                                              \
+          name##_gauge(row, mode, 2, from, index_hide(i + 8 * step <= n ? i + 6 * step : i), next);                    \
+        }                                                                                                              \
+        i = index_hide(i);                                                                                             \
+        if (__builtin_expect(vi_all(good), 1))                                                                         \
+          name##_keep(row, 1, p, i + u * step, &F, &slope, out, more);                                                 \
+        else                                                                                                           \
+          name##_apart(tile, j, 1, p, i + u * step, out, more);                                                        \
+      }                                                                                                                \
     }                                                                                                                  \
-    return n;                                                                                                          \
+    return i;                                                                                                          \
   }                                                                                                                    \
   SKF_BATCH_ALL(name, way)
 

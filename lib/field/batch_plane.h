@@ -5,10 +5,10 @@
 
 #include "field/batch_loop.h"
 
-/* axis: that of the normal, or -1 where it is along none, and its coordinate of `through`; along: the normal times -2 pi
-   and the strength, for Gaussians by the exponent, too, for 1 / r^2 the unit normal; s or R, its square, 1 / both; the
-   strength times pi s^-2 or pi R^2, and times -2 pi. Which side is above does not matter: along an axis it is where its
-   coordinate is larger. */
+/* axis: that of the normal, or -1 where it is along none, and its coordinate of `through`; along: the normal times -2
+   pi and the strength, for Gaussians by the exponent, too, for 1 / r^2 the unit normal; s or R, its square, 1 / both;
+   the strength times pi s^-2 or pi R^2, and times -2 pi. Which side is above does not matter: along an axis it is where
+   its coordinate is larger. */
 typedef struct plane_row {
   skf_v3d through, raw, unit, along;
   skf_vd axis, at, per_length, param, param2, per_param, per_param2, exponent, F, slope;

@@ -88,8 +88,8 @@ SKF_INLINE skf_vd vd_log_series(skf_vd count, skf_vd t) {
 }
 /* The same after vd_log_one, t^2 < 0.0304: 6e-18 */
 SKF_INLINE skf_vd vd_log_one_series(skf_vd count, skf_vd t) {
-  static const double c[] = {0.33333333333333353687, 0.19999999999937626005,  0.14285714318388431643,
-                             0.1111110470168566039,  0.09091506506334068316,  0.07663838516721432903,
+  static const double c[] = {0.33333333333333353687, 0.19999999999937626005, 0.14285714318388431643,
+                             0.1111110470168566039,  0.09091506506334068316, 0.07663838516721432903,
                              0.073327779238463675071};
   return vd_log_sum(count, t, vd_halves(c, sizeof c / sizeof *c, t * t));
 }
