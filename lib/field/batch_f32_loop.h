@@ -129,12 +129,16 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
 /* Four vectors at once */
 #define SKF_BATCH_FOURS(name, way)                                                                                     \
   SKF_F32_KEEP(name)                                                                                                   \
-  SKF_INLINE void name##_some(const skf_tile *tile, size_t j, const name##_row *row, loop_factor by, size_t n,         \
-                              const int how, const float *const p[3], size_t i, float *const sum[4]) {                 \
+  SKF_INLINE void name##_some(const skf_tile *tile, size_t j, const name##_row *row, loop_factor by, int mode,         \
+                              size_t n, const int how, const float *const p[3], const float *const from[3], size_t i,  \
+                              float *const sum[4]) {                                                                   \
     skf_v3d x[4];                                                                                                      \
     skf_vd w[4], F[4], slope[4];                                                                                       \
-    SKF_EACH(u, n) x[u] = points_load(p, i + u * SKF_LANES);                                                           \
-    way##_measure(row, SKF_PLAIN, n, x, w);                                                                            \
+    SKF_EACH(u, n) x[u] = points_load(from, i + u * SKF_LANES);                                                        \
+    if (mode == SKF_PLAIN)                                                                                             \
+      way##_gauge(row, SKF_PLAIN, n, x, w);                                                                            \
+    else                                                                                                               \
+      way##_measure(row, SKF_PLAIN, n, x, w);                                                                          \
     if (__builtin_expect(!vi_all(name##_of(row, n, w, F, slope)), 0)) {                                                \
       for (size_t u = 0; u < n; u++)                                                                                   \
         name##_keep(tile, j, p, i + u * SKF_LANES, by, name##_value(row, points_load(p, i + u * SKF_LANES)), sum);     \
@@ -148,21 +152,29 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
     SKF_EACH(u, n)                                                                                                     \
     sum_float(sum[3] + i + u * SKF_LANES, by.g, slope[u] * way##_along(row, z, p[2] + i + u * SKF_LANES), how);        \
   }                                                                                                                    \
-  SKF_INLINE void name##_either(const skf_tile *tile, size_t j, const name##_row *row, loop_factor by, size_t n,       \
-                                const int how, const float *const p[3], float *const sum[4]) {                         \
+  SKF_INLINE void name##_either(const skf_tile *tile, size_t j, const name##_row *row, loop_factor by, int mode,       \
+                                size_t n, const int how, const float *const p[3], float *const sum[4]) {               \
+    const float *const from[3] = {mode == SKF_PLAIN ? way##_first(row, p) : p[0], p[1], p[2]};                         \
     size_t i = 0;                                                                                                      \
-    for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, row, by, 4, how, p, i, sum);               \
-    for (; i < n; i += SKF_LANES) name##_some(tile, j, row, by, 1, how, p, i, sum);                                    \
+    for (; i + 4 * SKF_LANES <= n; i += 4 * SKF_LANES) name##_some(tile, j, row, by, mode, 4, how, p, from, i, sum);   \
+    for (; i < n; i += SKF_LANES) name##_some(tile, j, row, by, mode, 1, how, p, from, i, sum);                        \
+  }                                                                                                                    \
+  SKF_INLINE void name##_any(const skf_tile *tile, size_t j, const name##_row *row, const double *scale, int mode,     \
+                             size_t n, const float *const p[3], float *const sum[4]) {                                 \
+    const loop_factor by = loop_factor_of(tile, j, scale);                                                             \
+    if (j > 0)                                                                                                         \
+      name##_either(tile, j, row, by, mode, n, SUM_MORE, p, sum);                                                      \
+    else if (scale)                                                                                                    \
+      name##_either(tile, j, row, by, mode, n, SUM_FIRST, p, sum);                                                     \
+    else                                                                                                               \
+      name##_either(tile, j, row, by, mode, n, SUM_BARE, p, sum);                                                      \
   }                                                                                                                    \
   SKF_INLINE void name##_all(const skf_tile *tile, size_t j, const name##_row *row, const double *scale, size_t n,     \
                              const float *const p[3], float *const sum[4]) {                                           \
-    const loop_factor by = loop_factor_of(tile, j, scale);                                                             \
-    if (j > 0)                                                                                                         \
-      name##_either(tile, j, row, by, n, SUM_MORE, p, sum);                                                            \
-    else if (scale)                                                                                                    \
-      name##_either(tile, j, row, by, n, SUM_FIRST, p, sum);                                                           \
+    if (way##_mode(row) == SKF_PLAIN)                                                                                  \
+      name##_any(tile, j, row, scale, SKF_PLAIN, n, p, sum);                                                           \
     else                                                                                                               \
-      name##_either(tile, j, row, by, n, SUM_BARE, p, sum);                                                            \
+      name##_any(tile, j, row, scale, SKF_MIXED, n, p, sum);                                                           \
   }                                                                                                                    \
   SKF_F32_ADD(name)
 
