@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Logarithm, arc tangent and exponential of several numbers at once, inline, with two divisions at most. Largest
-   relative errors, in halves of an ulp of 1: log 5.2 (3.2 for ratios up to 1.35), atan2 3, exp and exp2 1.7, for
+   relative errors, in halves of an ulp of 1: log 5.2 (3.2 for ratios up to 1.35), atan2 3, exp and exp2 2, for
    doubles and for floats alike. The series begin with exact terms; what follows is interpolated at Chebyshev nodes or a
    quotient, and beside it stands the relative error that it leaves in the result. */
 #ifndef SKF_SIMD_VECMATH_H
@@ -227,7 +227,7 @@ typedef struct skf_vpower {
   skf_vd part; /* of 2^f, set on the way */
 } skf_vpower;
 
-#define VD_EXP2_SHIFT SKF_PICK(0x1.8p52, 0x1.8p23) /* what is added to `whole` */
+#define VD_EXP2_SHIFT SKF_PICK(0x1.8p52 + 1, 0x1.8p23) /* what is added to `whole`; in doubles 2^f is halved */
 
 SKF_INLINE skf_vpower vd_exp2_begin(skf_vd c, skf_vd x) {
   const skf_vd shift = vd_set(VD_EXP2_SHIFT), whole = vd_fma(c, x, shift);
@@ -247,11 +247,12 @@ SKF_INLINE void vd_exp2_middle(skf_vpower *e) {
                              0.0096180825572778514913, 0.0013390863364671234381, 0.00015453162945120690177};
   e->part = vd_halves(p, sizeof p / sizeof *p, f);
 #else
-  /* 2 tanh(y) / f in f^2: 8e-18; what f is multiplied with first is 1, so that nothing is rounded there */
-  static const double p[] = {0.01334447208282205296, 0.000015255309600383556761};
-  static const double q[] = {1.4426950408889634142, 0.07701426874382931018, 0.00033028145403456852049};
-  const skf_vd ff = f * f, top = vd_fma(f * ff, vd_horner(p, 2, ff), f);
-  e->f = top, e->part = vd_fma(vd_horner(q + 1, 2, ff), ff, vd_fnma(vd_set(0.5), top, vd_set(q[0])));
+  /* 2^f / 2 = 1 / 2 + t / (c p - t), t = f q; p and q are of f^2, which is multiplied by 1, so that a sum takes the
+     place of a product: 2e-18 */
+  const skf_vd ff = f * f, top = f * vd_fma(ff, ff + vd_set(874.74279004383755337), vd_set(65550.947584495924676));
+  e->f = top;
+  e->part = vd_fms(vd_set(43.300524563102202267),
+                   vd_fma(ff, ff + vd_set(233.17769678877791967), vd_set(4368.077660024972011)), top);
 #endif
 }
 SKF_INLINE void vd_exp2_late(skf_vpower *e) {
@@ -262,14 +263,22 @@ SKF_INLINE void vd_exp2_late(skf_vpower *e) {
 #endif
 }
 
-SKF_INLINE skf_vd vd_exp2_end(const skf_vpower *e) {
+/* Then 2^f, in doubles half of it less 1 / 2, which is added where it need not be waited for; and with `whole` */
+SKF_INLINE skf_vd vd_exp2_mantissa(const skf_vpower *e) {
 #ifdef SKF_VEC_FLOAT
-  const skf_vd s = vd_fma(e->part, e->f, vd_set(1));
+  return vd_fma(e->part, e->f, vd_set(1));
 #else
-  const skf_vd s = vd_set(1) + e->part;
+  return e->part;
 #endif
-  return (skf_vd)((skf_vi)s + ((skf_vi)e->whole << SKF_MANTISSA));
 }
+SKF_INLINE skf_vd vd_exp2_raise(skf_vd mantissa, skf_vd whole) {
+#ifndef SKF_VEC_FLOAT
+  mantissa += vd_set(0.5);
+#endif
+  return (skf_vd)((skf_vi)mantissa + ((skf_vi)whole << SKF_MANTISSA));
+}
+
+SKF_INLINE skf_vd vd_exp2_end(const skf_vpower *e) { return vd_exp2_raise(vd_exp2_mantissa(e), e->whole); }
 
 SKF_INLINE skf_vd vd_exp2_product(skf_vd c, skf_vd x) {
   skf_vpower e = vd_exp2_begin(c, x);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Special functions of several numbers at once, inline, for any type of number. Largest relative errors in halves of an
-   ulp of 1, for doubles: erfc_scaled 5, sin and cos 2 (of the larger one), Carlson's forms 10, Bessel functions 8. The
-   coefficients interpolate at Chebyshev nodes; beside them stands the relative error that they leave. */
+   ulp of 1, for doubles: erfc_scaled and its like 9, sin and cos 2 (of the larger one), Carlson's forms 10, Bessel
+   functions 8. The coefficients interpolate at Chebyshev nodes; beside them stands the relative error that they leave.
+ */
 #ifndef SKF_SIMD_VECSPECIAL_H
 #define SKF_SIMD_VECSPECIAL_H
 
@@ -17,45 +18,88 @@ SKF_INLINE skf_vd vd_series(const double *c, int n, skf_vd x) {
   return s;
 }
 
-/* exp(u^2) int exp(-v^2) dv over v = u..infinity, u >= 0: sqrt(pi) / 2 exp(u^2) erfc(u), between 1 / (u + 1) and
-   1 / 2u. A quotient of polynomials whose terms are all positive, for u up to 27, where exp(-u^2) ends, in floats up to
-   10; beyond it leaves less than 3e-12 and 2e-5. */
-SKF_INLINE skf_vd vd_erfc_top(skf_vd u) {
+/* A polynomial in w, divided by w^2 + a three times or less, where a > 0 such that no odd powers are left over, only b:
+   `c`, what then remains, and (a, b) from inside. If w's origin is such that all zeros are to the left there are such a
+   [Hermite 1856, Biehler 1879]. Two degrees then take one product and a sum beside it [Eve 1964]; half as many digits
+   again are lost. */
+SKF_INLINE skf_vd vd_reduced(const double *c, int n, const double (*step)[2], int steps, skf_vd w) {
+  skf_vd ww = w * w, s = vd_halves(c, n, w);
+#pragma GCC unroll 4
+  for (int i = 0; i < steps; i++) s = vd_fma(s, ww + vd_set(step[i][0]), vd_set(step[i][1]));
+  return s;
+}
+
+/* X(u) = exp(u^2) int exp(-v^2) dv over v = u..infinity, sqrt(pi) / 2 exp(u^2) erfc(u), for u >= 0 between 1 / (u + 1)
+   and 1 / 2u. Quotients of polynomials in t, u = t sqrt(log 2), so that exp(u^2) = 2^(t^2); for u up to 27, where
+   exp(-u^2) ends, in floats up to 10. */
+#define VD_ERFC_UNIT 1.2011224087864497949 /* sqrt(1 / log 2) */
+
+/* X of t >= 0; beyond those bounds it leaves less than 3e-12 and 2e-5. */
+SKF_INLINE skf_vd vd_erfc_binary(skf_vd t) {
 #ifdef SKF_VEC_FLOAT /* 8e-9 */
-  static const double c[] = {0.88622692799755776843, 1.0903037767214441473, 0.64055474746249019512,
-                             0.19931159057556620619, 0.028221764222475184863};
-#else /* 1e-16 */
-  static const double c[] = {0.88622692545275796621,    1.9512200633901149635,   2.1241891455855198751,
-                             1.4691367177386565192,     0.70456500774624023625,  0.24201855041676947859,
-                             0.059546516852931714498,   0.010155778060585358628, 0.0010980843750945252982,
-                             0.000058216095247315419081};
+  static const double top[] = {0.8862269280, 0.9077374369, 0.4439987172, 0.115019307, 0.01355923168};
+  static const double bottom[] = {1, 1.963709573, 1.652629447, 0.7553240692, 0.1915336198, 0.02257729058};
+  return vd_halves(top, 5, t) / vd_halves(bottom, 6, t);
+#else /* 5e-17 */
+  static const double top[] = {0.0012587455600652096, 0.00054166101528883449, 0.0001112210105504565,
+                               1.0608301621251613e-5};
+  static const double bottom[] = {0.0042984909646491758, 0.0026093841878987445, 0.00083593862127933635,
+                                  0.00016090715668596183, 1.7663980862706419e-5};
+  static const double top_steps[][2] = {{3.0829178961103123, -0.0062045899650285299},
+                                        {11.974831617734697, 0.037073529531345401},
+                                        {6.3093798125177265, 0.020217045865552159}};
+  static const double bottom_steps[][2] = {{0.7506208643998983, -0.01208034323503312},
+                                           {7.5447699961557442, 0.057810864896629452},
+                                           {3.1127544012510614, 0.040596982471805596}};
+  const skf_vd w = t + vd_set(1.375);
+  return vd_reduced(top, 4, top_steps, 3, w) / vd_reduced(bottom, 5, bottom_steps, 3, w);
 #endif
-  return vd_halves(c, sizeof c / sizeof *c, u);
 }
-SKF_INLINE skf_vd vd_erfc_bottom(skf_vd u) {
-#ifdef SKF_VEC_FLOAT
-  static const double c[] = {1,
-                             2.358655571910727531,
-                             2.3842403073475044597,
-                             1.3088658380254600827,
-                             0.39865213516239240555,
-                             0.056442750613362407587};
-#else
-  static const double c[] = {1,
-                             3.3300952370436880576,
-                             5.1545008687739428937,
-                             4.8961322040182878828,
-                             3.1702825795995642082,
-                             1.4675783929939724491,
-                             0.49413466554445888552,
-                             0.12019111798171686387,
-                             0.020369772218848549719,
-                             0.0021961687501532186003,
-                             0.0001164321904948694548};
+SKF_INLINE skf_vd vd_erfc_scaled(skf_vd u) { return vd_erfc_binary(vd_set(VD_ERFC_UNIT) * u); }
+
+/* X for u >= -2, of t + VD_ERFC_NEAR, and for u >= 1 / 2, of t + VD_ERFC_FAR. The relative error grows with u^2, as
+   that of the exponential beside it does: it leaves this times 1 + u^2 / 4. */
+#define VD_ERFC_NEAR SKF_COUNT(2.4959948175728995897, 2.4022448175728995897)
+SKF_INLINE skf_vd vd_erfc_near(skf_vd w) {
+#ifdef SKF_VEC_FLOAT /* 2e-8 */
+  static const double top[] = {96.5463644693, 25.7848670226,  21.8883691193,  7.35073564289,
+                               2.41780987232, 0.532689633317, 0.0746556933118};
+  static const double bottom[] = {
+      1, 3.60591731538, 6.01352875098, 6.09251773632, 4.12169961071, 1.93129342727, 0.590708555305, 0.124265635283};
+  return vd_halves(top, 7, w) / vd_halves(bottom, 8, w);
+#else /* 5e-17 */
+  static const double top[] = {
+      88.421406179094199,    80.745435786777642,     59.857585828439391,   33.630375018198706,  15.826137296500819,
+      6.2609791187246742,    2.0917022592360776,     0.58501200694346356,  0.13482595075419585, 0.024933387617504958,
+      0.0035355380566824747, 0.00035150418599132723, 1.9579625170183848e-5};
+  static const double bottom[] = {
+      0.37392314149073907, 1.1394395337673445,   1.1820048088503495,    0.73769788510362254,   0.32112431186121344,
+      0.10288517440489321, 0.024552869818711687, 0.0042717177329965651, 0.0005039179046310915, 3.260221443418661e-5};
+  static const double steps[][2] = {{4.940920177197126, 1.0377998091625637},
+                                    {0.51787381933841263, -0.82852457678592654}};
+  return vd_halves(top, 13, w) / vd_reduced(bottom, 10, steps, 2, w);
 #endif
-  return vd_halves(c, sizeof c / sizeof *c, u);
 }
-SKF_INLINE skf_vd vd_erfc_scaled(skf_vd u) { return vd_erfc_top(u) / vd_erfc_bottom(u); }
+
+#define VD_ERFC_FAR SKF_COUNT(1.2994387956067751026, -0.60056120439322489743)
+SKF_INLINE skf_vd vd_erfc_far(skf_vd w) {
+#ifdef SKF_VEC_FLOAT /* 2e-8 */
+  static const double top[] = {0.545641348104, 0.455339613231, 0.156898592312, 0.0216492926873};
+  static const double bottom[] = {1, 1.5277749284, 0.942175190873, 0.282827375525, 0.0360506206594};
+  return vd_halves(top, 4, w) / vd_halves(bottom, 5, w);
+#else /* 3e-17 */
+  static const double top[] = {0.00036040585964950859, 0.00011915233214835219, 1.4962823841202945e-5};
+  static const double bottom[] = {-0.0016257583563632027, 0.00020834844860518263, 0.0001660264727032665,
+                                  2.4914735969361903e-5};
+  static const double top_steps[][2] = {{3.172940419635233, -0.002427750080718389},
+                                        {13.50211321500149, 0.019263374902184749},
+                                        {6.6892776990836463, 0.0090627108001135382}};
+  static const double bottom_steps[][2] = {{25.272109443359291, 0.046953978823024088},
+                                           {0.80928790675006799, -0.0078998606113384679},
+                                           {3.3808533703487092, 0.014749341162577377}};
+  return vd_reduced(top, 3, top_steps, 3, w) / vd_reduced(bottom, 4, bottom_steps, 3, w);
+#endif
+}
 
 /* exp(x) - 1 */
 SKF_INLINE skf_vd vd_exp_less_1(skf_vexp e) { return vd_fma(e.scale, e.part, e.scale - vd_set(1)); }
