@@ -27,7 +27,8 @@
   SKF_F32_ENTRY(inverse_point) SKF_F32_ENTRY(inverse_squared_point) SKF_F32_ENTRY(cauchy_point)                        \
   SKF_F32_ENTRY(gaussian_point) SKF_F32_ENTRY(quartic_point) SKF_F32_ENTRY(soft_object_point)                          \
   SKF_F32_ENTRY(metaball_point) SKF_F32_ENTRY(inverse_segment) SKF_F32_ENTRY(cauchy_segment)                           \
-  SKF_F32_ENTRY(gaussian_segment) SKF_F32_ENTRY(gaussian_segment_short) SKF_F32_ENTRY(inverse_squared_segment)         \
+  SKF_F32_ENTRY(gaussian_segment) SKF_F32_ENTRY(gaussian_segment_long) SKF_F32_ENTRY(gaussian_segment_short)           \
+  SKF_F32_ENTRY(inverse_squared_segment)                                                                               \
   SKF_F32_ENTRY(quartic_segment) SKF_F32_ENTRY(soft_object_segment) SKF_F32_ENTRY(cauchy_arc)                          \
   SKF_F32_ENTRY(cauchy_circle) SKF_F32_ENTRY(inverse_arc) SKF_F32_ENTRY(inverse_circle)                                \
   SKF_F32_ENTRY(inverse_squared_arc) SKF_F32_ENTRY(inverse_squared_circle) SKF_F32_ENTRY(gaussian_circle)              \

@@ -31,11 +31,14 @@ static inline bool skf_form_gaussian_arc(const skf_prepared *e, bool many) {
 }
 static inline bool skf_form_brief_arc(const skf_prepared *e) { return skf_form_gaussian_arc(e, false); }
 static inline bool skf_form_wide_arc(const skf_prepared *e) { return skf_form_gaussian_arc(e, true); }
-/* In widths of the kernel; much longer, and powers of abscissae overflow. */
-static inline bool skf_form_long_segment(const skf_prepared *e) {
+/* In widths of the kernel: so far to the left of 0 reaches vd_erfc_near; much longer, and powers of abscissae
+   overflow. */
+static inline bool skf_form_segment_of(const skf_prepared *e, double least, double most) {
   double width = e->kernel.param * e->plan.segment.length;
-  return width > 1 && width < 1e15;
+  return width > least && width < most;
 }
+static inline bool skf_form_medium_segment(const skf_prepared *e) { return skf_form_segment_of(e, 1, 4); }
+static inline bool skf_form_long_segment(const skf_prepared *e) { return skf_form_segment_of(e, 1, 1e15); }
 /* Beside the support: else differences between the ends lose more than they need. */
 static inline bool skf_form_wide_segment(const skf_prepared *e) { return 4 * e->plan.segment.length > e->kernel.param; }
 
@@ -56,7 +59,8 @@ static inline bool skf_form_wide_segment(const skf_prepared *e) { return 4 * e->
   X(quartic_plane, SKF_QUARTIC, SKF_PLANE, skf_form_any)                                                               \
   X(inverse_segment, SKF_INVERSE, SKF_SEGMENT, skf_form_any)                                                           \
   X(cauchy_segment, SKF_CAUCHY, SKF_SEGMENT, skf_form_any)                                                             \
-  X(gaussian_segment, SKF_GAUSSIAN, SKF_SEGMENT, skf_form_long_segment)                                                \
+  X(gaussian_segment, SKF_GAUSSIAN, SKF_SEGMENT, skf_form_medium_segment)                                              \
+  X(gaussian_segment_long, SKF_GAUSSIAN, SKF_SEGMENT, skf_form_long_segment)                                           \
   X(gaussian_segment_short, SKF_GAUSSIAN, SKF_SEGMENT, skf_form_any)                                                   \
   X(inverse_squared_segment, SKF_INVERSE_SQUARED, SKF_SEGMENT, skf_form_any)                                           \
   X(quartic_segment, SKF_QUARTIC, SKF_SEGMENT, skf_form_any)                                                           \

@@ -7,19 +7,35 @@
 #include "simd/vecspecial.h"
 
 /* A segment, and what a short one needs: a^2 from the midpoint, m_n = int x^(2n) exp(p (1 - x^2)) dx over [0, 1] by
-   (2n)!, p = (a L / 2)^2. What a long one needs: its direction times a, by a and times the strength; a square of
-   abscissae near enough for any distance from the axis; factors of the results. */
+   (2n)!, p = (a L / 2)^2. What a longer one needs, in units of sqrt(log 2) / a, so that the kernel is 2^-r^2: its
+   direction by and times the unit, the latter times the strength; the unit's square; half the vector between the ends
+   and half its length, and what this makes of arguments of vd_erfc_near and _far; a square of abscissae near enough for
+   any distance from the axis; factors of the results. */
 enum { GAUSSIAN_MOMENTS = 7 };
 typedef struct gaussian_span_row {
   segment_row s;
   skf_vd width; /* a L */
   skf_vd m[GAUSSIAN_MOMENTS];
-  skf_v3d up, down, along;
-  skf_vd axis, F, g;
+  skf_v3d middle, up, down, along;
+  skf_vd binary, half, near, far, axis, F, g;
 } gaussian_span_row;
 
 /* So that an exponential cut at VD_EXP_MAX does not count */
 #define GAUSSIAN_SEEN (VD_EXP_MAX - SKF_PICK(40, 17))
+
+#define LOG2_E 1.4426950408889634074L
+
+/* r times the direction, rounded once, and its inverse to what that is now: next to the axis both count, along it not
+   even together. */
+static double *pack_direction(double *k, long double r, const skf_prepared *e) {
+  const skf_vec3 d = e->plan.segment.e, lo = e->plan.segment.e_lo;
+  long double x = (long double)d.x + lo.x, y = (long double)d.y + lo.y, z = (long double)d.z + lo.z;
+  r /= sqrtl(x * x + y * y + z * z);
+  const skf_vec3 up = v3((double)(r * x), (double)(r * y), (double)(r * z));
+  x = up.x, y = up.y, z = up.z;
+  r = 1 / (x * x + y * y + z * z);
+  return pack3(pack3(k, up), v3((double)(r * x), (double)(r * y), (double)(r * z)));
+}
 
 static double *gaussian_span_pack(const skf_prepared *e, double *k) {
   double width = e->kernel.param * e->plan.segment.length, pp = 0.5 * width * width, m = 0, factorial = 1;
@@ -32,9 +48,12 @@ static double *gaussian_span_pack(const skf_prepared *e, double *k) {
   for (int n = 1; n < GAUSSIAN_MOMENTS; n++) k[n] /= factorial *= (2 * n) * (2 * n - 1);
   double a = e->kernel.param;
   skf_vec3 along = e->plan.segment.a;
-  k = pack3(pack3(k + GAUSSIAN_MOMENTS, v3_scale(a, along)), v3_scale(1 / a, along));
-  k = pack3(k, v3_scale(e->strength, along));
-  return pack1(pack1(pack1(k, 64 / (width * width)), e->strength / a), 2 * a * e->strength);
+  const long double binary = LOG2_E * a * a, unit = sqrtl(binary);
+  const double half = (double)(unit * e->plan.segment.length / 2);
+  k = pack3(k + GAUSSIAN_MOMENTS, v3_scale(0.5, e->plan.segment.e));
+  k = pack3(pack_direction(k, unit, e), v3_scale(e->strength, along));
+  k = pack1(pack1(pack1(pack1(k, (double)binary), half), VD_ERFC_NEAR - half), VD_ERFC_FAR + half);
+  return pack1(pack1(pack1(k, (double)LOG2_E * 64 / (width * width)), e->strength / a), 2 * a * e->strength);
 }
 
 /* Squares of a times the distances from the ends and the line; a times the abscissae of the ends, and the width that
@@ -93,48 +112,100 @@ SKF_INLINE skf_vvalue gaussian_segment_careful(const gaussian_span_row *c, skf_v
 }
 
 /* The same of one longer than its width, in stages: the series is never needed. On the axis w is not known well enough
-   far from the nearer end. */
+   far from an end. Exponentials 2^-(u^2 + yh) are not of the rounded sum, which only tells their whole part, k. */
+#define GAUSSIAN_MOST (double)LOG2_E *VD_EXP_MAX
+
+SKF_INLINE skf_vd gaussian_whole(skf_vd y) { return vd_set(VD_EXP2_SHIFT) - vd_min(y, vd_set(GAUSSIAN_MOST)); }
+/* Where k was cut, too */
+SKF_INLINE skf_vd gaussian_mantissa(skf_vd k, skf_vd u, skf_vd yh) {
+  skf_vd f = vd_max(vd_fnma(u, u, (vd_set(VD_EXP2_SHIFT) - k) - yh), vd_set(-0.5));
+  skf_vpower e = {k, f, f};
+  vd_exp2_middle(&e);
+  vd_exp2_late(&e);
+  return vd_exp2_mantissa(&e);
+}
+/* Near enough to count; next to the axis, y being the square of the distance from an end, known well enough; or gone */
+SKF_INLINE skf_vi gaussian_seen(skf_vd least) { return least < vd_set((double)LOG2_E * GAUSSIAN_SEEN); }
+SKF_INLINE skf_vi gaussian_good(const gaussian_span_row *c, skf_vd yh, skf_vd y, skf_vi seen, skf_vd least) {
+  return (seen & (vd_fma(vd_set(SKF_PICK(256, 1e8)), yh, c->axis) > y)) |
+         (least > vd_set((double)LOG2_E * VD_EXP_ZERO));
+}
+SKF_INLINE skf_vvalue gaussian_result(const gaussian_span_row *c, skf_vd F, skf_vd ends, skf_v3d w, skf_vi good) {
+  return (skf_vvalue){c->F * F, vd3_mad(vd3_scale(ends, c->along), c->g * F, w), good};
+}
+
+/* No longer than four widths. The middle is u = v or -v from the foot of the perpendicular, the nearer end v - half,
+   the other v + half: int 2^-u^2 du is X(v - half) 2^-(v - half)^2 - X(v + half) 2^-(v + half)^2 everywhere, X being
+   known from -half on. */
 typedef struct gaussian_segment_state {
   skf_v3d w;
-  skf_vd u0, u1, y0, y1, yh; /* the squares of the distances, then their exponentials */
-  skf_vd x0, x1;             /* vd_erfc_scaled of u0, u1 */
+  skf_vd u, yh, kn, kf, en, ef, xn, xf; /* en, ef: mantissas of the exponentials */
   skf_vi seen, good;
 } gaussian_segment_state;
 
-SKF_INLINE skf_vi gaussian_within(skf_vd u0, skf_vd u1) { return ((skf_vi)u0 ^ (skf_vi)u1) < vi_set(0); }
-
 SKF_INLINE void gaussian_segment_begin(const gaussian_span_row *c, skf_v3d x, gaussian_segment_state *s) {
-  skf_v3d d0 = vd3_sub(c->s.from, x), d1 = vd3_sub(c->s.to, x);
-  skf_vd u0 = vd3_dot(d0, c->up), u1 = vd3_dot(d1, c->up);
-  skf_v3d w = vd3_less(d0, u0, c->down);
-  skf_vd yh = c->s.param2 * vd3_dot(w, w), y0 = vd_fma(u0, u0, yh), y1 = vd_fma(u1, u1, yh);
-  skf_vd least = vd_select(gaussian_within(u0, u1), yh, vd_min(y0, y1)), most = vd_set(VD_EXP_MAX);
-  s->w = w, s->u0 = u0, s->u1 = u1, s->yh = yh;
-  s->y0 = vd_min(y0, most), s->y1 = vd_min(y1, most);
-  s->seen = least < vd_set(GAUSSIAN_SEEN);
-  s->good = (s->seen & (vd_fma(vd_set(SKF_PICK(256, 1e8)), yh, c->axis) > y0)) | (least > vd_set(VD_EXP_ZERO));
+  skf_v3d d = vd3_add(vd3_sub(c->s.from, x), c->middle);
+  skf_vd u = vd3_dot(d, c->up), v = vd_abs(u), un = v - c->half, uf = v + c->half;
+  skf_v3d w = vd3_less(d, u, c->down);
+  skf_vd yh = c->binary * vd3_dot(w, w), yn = vd_fma(un, un, yh), yf = vd_fma(uf, uf, yh);
+  s->w = w, s->u = u, s->yh = yh;
+  s->kn = gaussian_whole(yn), s->kf = gaussian_whole(yf);
+  s->seen = gaussian_seen(yn), s->good = gaussian_good(c, yh, yf, s->seen, yn);
 }
 
 SKF_INLINE void gaussian_segment_exp(const gaussian_span_row *c, gaussian_segment_state *s) {
-  const skf_vd exponent = vd_set(-1.4426950408889634074);
-  (void)c;
-  s->y0 = vd_exp2_product(exponent, s->y0);
-  s->y1 = vd_exp2_product(exponent, s->y1);
-  s->yh = vd_exp2_product(exponent, s->yh);
+  skf_vd v = vd_abs(s->u);
+  s->en = gaussian_mantissa(s->kn, v - c->half, s->yh), s->ef = gaussian_mantissa(s->kf, v + c->half, s->yh);
 }
 
 SKF_INLINE void gaussian_segment_erfc(const gaussian_span_row *c, gaussian_segment_state *s) {
-  skf_vd u0 = vd_abs(s->u0), u1 = vd_abs(s->u1);
-  (void)c;
-  s->x0 = vd_erfc_scaled(u0), s->x1 = vd_erfc_scaled(u1);
+  skf_vd v = vd_abs(s->u);
+  s->xn = vd_erfc_near(v + c->near), s->xf = vd_erfc_far(v + c->far);
 }
 
 SKF_INLINE skf_vvalue gaussian_segment_end(const gaussian_span_row *c, const gaussian_segment_state *s) {
-  skf_vd x0 = s->y0 * s->x0, x1 = s->y1 * s->x1;
-  skf_vd all = vd_fma(vd_set(SQRT_PI), s->yh, -(x0 + x1)), part = vd_abs(x0 - x1);
-  skf_vd F = (skf_vd)((skf_vi)vd_select(gaussian_within(s->u0, s->u1), all, part) & s->seen);
-  skf_vd ends = (skf_vd)((skf_vi)(s->y0 - s->y1) & s->seen);
-  return (skf_vvalue){c->F * F, vd3_mad(vd3_scale(ends, c->along), c->g * F, s->w), s->good};
+  skf_vd en = vd_exp2_raise(s->en, s->kn), ef = vd_exp2_raise(s->ef, s->kf);
+  skf_vi F = (skf_vi)vd_fms(en, s->xn, ef * s->xf) & s->seen, ends = (skf_vi)(en - ef) & s->seen;
+  return gaussian_result(c, (skf_vd)F, (skf_vd)(ends ^ vd_sign(s->u)), s->w, s->good);
+}
+
+/* Longer: exponentials and X at both ends, and the exponential at the foot where that is within. */
+typedef struct gaussian_segment_long_state {
+  skf_v3d w;
+  skf_vd u0, u1, yh, k0, k1, e0, e1, eh, x0, x1;
+  skf_vi seen, good;
+} gaussian_segment_long_state;
+
+SKF_INLINE skf_vi gaussian_within(skf_vd u0, skf_vd u1) { return ((skf_vi)u0 ^ (skf_vi)u1) < vi_set(0); }
+
+SKF_INLINE void gaussian_segment_long_begin(const gaussian_span_row *c, skf_v3d x, gaussian_segment_long_state *s) {
+  skf_v3d d0 = vd3_sub(c->s.from, x), d1 = vd3_sub(c->s.to, x);
+  skf_vd u0 = vd3_dot(d0, c->up), u1 = vd3_dot(d1, c->up);
+  skf_v3d w = vd3_less(d0, u0, c->down);
+  skf_vd yh = c->binary * vd3_dot(w, w), y0 = vd_fma(u0, u0, yh), y1 = vd_fma(u1, u1, yh);
+  skf_vd least = vd_select(gaussian_within(u0, u1), yh, vd_min(y0, y1));
+  s->w = w, s->u0 = u0, s->u1 = u1, s->yh = yh;
+  s->k0 = gaussian_whole(y0), s->k1 = gaussian_whole(y1);
+  s->seen = gaussian_seen(least), s->good = gaussian_good(c, yh, y0, s->seen, least);
+}
+
+SKF_INLINE void gaussian_segment_long_exp(const gaussian_span_row *c, gaussian_segment_long_state *s) {
+  (void)c;
+  s->e0 = gaussian_mantissa(s->k0, s->u0, s->yh), s->e1 = gaussian_mantissa(s->k1, s->u1, s->yh);
+  s->eh = gaussian_mantissa(gaussian_whole(s->yh), vd_set(0), s->yh);
+}
+
+SKF_INLINE void gaussian_segment_long_erfc(const gaussian_span_row *c, gaussian_segment_long_state *s) {
+  (void)c;
+  s->x0 = vd_erfc_binary(vd_abs(s->u0)), s->x1 = vd_erfc_binary(vd_abs(s->u1));
+}
+
+SKF_INLINE skf_vvalue gaussian_segment_long_end(const gaussian_span_row *c, const gaussian_segment_long_state *s) {
+  skf_vd e0 = vd_exp2_raise(s->e0, s->k0), e1 = vd_exp2_raise(s->e1, s->k1);
+  skf_vd eh = vd_exp2_raise(s->eh, gaussian_whole(s->yh)), x0 = e0 * s->x0, x1 = e1 * s->x1;
+  skf_vd all = vd_fma(vd_set(SQRT_PI), eh, -(x0 + x1)), part = vd_abs(x0 - x1);
+  skf_vi F = (skf_vi)vd_select(gaussian_within(s->u0, s->u1), all, part) & s->seen;
+  return gaussian_result(c, (skf_vd)F, (skf_vd)((skf_vi)(e0 - e1) & s->seen), s->w, s->good);
 }
 
 /* inverse_squared.c's segment. With N = r0 r1 and delta the angle of view: F = delta / h, and -int g dt =
@@ -241,6 +312,8 @@ SKF_INLINE skf_vvalue inverse_squared_segment_end(const squared_span_row *c, con
 SKF_BATCH_FORM(gaussian_segment_short, gaussian_span, skf_again_none)
 SKF_BATCH_SCALED(gaussian_segment, gaussian_span, gaussian_segment_careful, gaussian_segment_exp, gaussian_segment_erfc,
                  skf_stage_none)
+SKF_BATCH_SCALED(gaussian_segment_long, gaussian_span, gaussian_segment_careful, gaussian_segment_long_exp,
+                 gaussian_segment_long_erfc, skf_stage_none)
 #ifdef SKF_VEC_FLOAT
 SKF_BATCH_CROSSED(inverse_squared_segment, squared_span, inverse_squared_segment_close, inverse_squared_segment_turn,
                   inverse_squared_segment_middle, inverse_squared_segment_series)
