@@ -276,8 +276,8 @@ SKF_INLINE skf_vvalue inverse_squared_segment_end(const squared_span_row *c, con
 #else
 typedef struct inverse_squared_segment_state {
   skf_v3d w;
-  skf_vd t0, t1, h, h2, WW, inv;
-  skf_vd offset, t; /* set in the middle */
+  skf_vd t0, t1, h, h2, WW, inv; /* inv: 1 / (WW h^2), set in the middle, too */
+  skf_vd offset, t;              /* set in the middle */
   skf_vi good;
 } inverse_squared_segment_state;
 
@@ -287,13 +287,13 @@ SKF_INLINE void inverse_squared_segment_begin(const squared_span_row *c, skf_v3d
   skf_v3d w = vd3_less(d, t0, c->s.a);
   skf_vd h2 = vd3_dot(w, w), W0 = vd_fma(t0, t0, h2), WW = W0 * vd_fma(t1, t1, h2), bottom = WW * h2;
   s->w = w, s->t0 = t0, s->t1 = t1, s->h2 = h2, s->WW = WW;
-  s->h = vd_sqrt(h2), s->inv = vd_set(1) / bottom;
+  s->h = vd_sqrt(h2), s->inv = bottom;
   s->good = (bottom > vd_set(1e-140)) & (bottom < vd_set(1e140)) & (vd_set(1601) * h2 > W0);
 }
 
 SKF_INLINE void inverse_squared_segment_middle(const squared_span_row *c, inverse_squared_segment_state *s) {
   skf_vangle angle = vd_angle_parts(s->h * c->s.L, vd_fma(s->t0, s->t1, s->h2));
-  s->offset = angle.offset, s->t = angle.top / angle.bottom;
+  s->offset = angle.offset, s->t = angle.top / angle.bottom, s->inv = vd_set(1) / s->inv;
 }
 
 SKF_INLINE void inverse_squared_segment_series(const squared_span_row *c, inverse_squared_segment_state *s) {
