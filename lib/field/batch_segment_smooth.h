@@ -113,7 +113,7 @@ SKF_INLINE skf_vvalue gaussian_segment_careful(const gaussian_span_row *c, skf_v
 
 /* The same of one longer than its width, in stages: the series is never needed. On the axis w is not known well enough
    far from an end. Exponentials 2^-(u^2 + yh) are not of the rounded sum, which only tells their whole part, k. */
-#define GAUSSIAN_MOST (double)LOG2_E *VD_EXP_MAX
+#define GAUSSIAN_MOST ((double)LOG2_E * VD_EXP_MAX)
 
 SKF_INLINE skf_vd gaussian_whole(skf_vd y) { return vd_set(VD_EXP2_SHIFT) - vd_min(y, vd_set(GAUSSIAN_MOST)); }
 /* Where k was cut, too */

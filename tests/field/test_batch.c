@@ -124,6 +124,35 @@ static void test_isas(void **state) {
   if (!vector) print_message("no vector instructions here: only the closed forms\n");
 }
 
+/* Gaussian segments have forms by their lengths in widths of the kernel. */
+static void test_widths(void **state) {
+  (void)state;
+  static const double width[] = {0.99, 1.01, 2, 3, 3.99, 4.01, 20, 300};
+  uint64_t seed = 17;
+  static cloud a, b;
+  double worst = 0;
+  if (!has_form(SKF_GAUSSIAN, SKF_SEGMENT)) return;
+  for (int n = 0; n < 80; n++) {
+    const double scale = pow(10, rnd(&seed, -7, 7));
+    skf_element e = {.kernel = {SKF_GAUSSIAN, 1}, .strength = rnd(&seed, -1, 1)};
+    rnd_primitive(&seed, SKF_SEGMENT, scale, &e.primitive);
+    e.kernel.param = width[n % 8] / v3_norm(v3_sub(e.primitive.segment.to, e.primitive.segment.from));
+    scatter(&seed, &e.primitive, scale, &a);
+    memcpy(&b, &a, sizeof a);
+    skf_field *fa = make(isas[0], &e, 1), *fb = make(isas[1], &e, 1);
+    eval(fa, 0, POINTS, &a);
+    eval(fb, 0, POINTS, &b);
+    for (size_t i = 0; i < POINTS; i++) {
+      const double d = difference(&e.primitive, &a, &b, i);
+      worst = fmax(worst, d);
+      if (!(d <= bound(SKF_SEGMENT))) fail_msg("%g ulps, %g widths", d / 1.1e-16, width[n % 8]);
+    }
+    skf_field_free(fa);
+    skf_field_free(fb);
+  }
+  print_message("Gaussian segments: %.0f ulps\n", worst / 1.1e-16);
+}
+
 /* All pairs, some twice. */
 static size_t everything(uint64_t *seed, skf_element *e) {
   size_t n = 0;
@@ -318,9 +347,9 @@ static void test_eight(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_isas),     cmocka_unit_test(test_place),
-                                     cmocka_unit_test(test_point),    cmocka_unit_test(test_sign),
-                                     cmocka_unit_test(test_infinite), cmocka_unit_test(test_scalar),
-                                     cmocka_unit_test(test_eight)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_isas),   cmocka_unit_test(test_widths),
+                                     cmocka_unit_test(test_place),  cmocka_unit_test(test_point),
+                                     cmocka_unit_test(test_sign),   cmocka_unit_test(test_infinite),
+                                     cmocka_unit_test(test_scalar), cmocka_unit_test(test_eight)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
