@@ -25,8 +25,8 @@ typedef struct gaussian_span_row {
 
 #define LOG2_E 1.4426950408889634074L
 
-/* r times the direction, rounded once, and its inverse to what that is now: next to the axis both count, along it not
-   even together. */
+/* r times the direction, rounded once, and the inverse to what that is now: w = d - (d . up) down has no part along it.
+ */
 static double *pack_direction(double *k, long double r, const skf_prepared *e) {
   const skf_vec3 d = e->plan.segment.e, lo = e->plan.segment.e_lo;
   long double x = (long double)d.x + lo.x, y = (long double)d.y + lo.y, z = (long double)d.z + lo.z;

@@ -18,10 +18,10 @@ SKF_INLINE skf_vd vd_series(const double *c, int n, skf_vd x) {
   return s;
 }
 
-/* A polynomial in w, divided by w^2 + a three times or less, where a > 0 such that no odd powers are left over, only b:
-   `c`, what then remains, and (a, b) from inside. If w's origin is such that all zeros are to the left there are such a
-   [Hermite 1856, Biehler 1879]. Two degrees then take one product and a sum beside it [Eve 1964]; half as many digits
-   again are lost. */
+/* A polynomial in w, divided by w^2 + a three times or less, where a > 0 is such that no odd powers are left over, only
+   b: `c` is what then remains, (a, b) follow from inside. There are such a if w's origin is to the right of all zeros
+   [Hermite, Biehler]. Two degrees take one product and a sum beside it then, not two products [Eve 1964]; rounding
+   errors are half as large again. */
 SKF_INLINE skf_vd vd_reduced(const double *c, int n, const double (*step)[2], int steps, skf_vd w) {
   skf_vd ww = w * w, s = vd_halves(c, n, w);
 #pragma GCC unroll 4
