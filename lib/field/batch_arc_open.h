@@ -90,14 +90,14 @@ SKF_INLINE skf_vd open_arc_form(const open_arc_row *c, skf_vd w, skf_vd q, skf_v
 SKF_INLINE void open_arc_look(const open_arc_row *c, double least, double near, open_arc_state *s) {
   skf_vd q = vd_fma(s->z, s->z, vd_set(least)), y = c->twice * s->u;
   skf_vd size2 = open_arc_form(c, vd_fma(s->t, s->t, vd_fma(s->u, s->u, y - c->less)), q, y, s);
-  s->good = vd_min(vd_fms(vd_set(near), s->D2, c->cut), vd_set(SKF_PICK(1024, 64)) * s->B) > size2;
+  s->good = vd_min(vd_fms(vd_set(near), s->D2, c->cut), vd_set(SKF_PICK(1024, 256)) * s->B) > size2;
   s->good &= size2 < vd_set(SKF_PICK(1e70, 1e16));
   if (least == 0) s->good &= size2 > vd_set(SKF_PICK(1e-70, 1e-16));
 }
 
 SKF_INLINE void cauchy_arc_look(const open_arc_row *c, open_arc_state *s) { open_arc_look(c, 1, SKF_PICK(16, 64), s); }
 SKF_INLINE void inverse_squared_arc_look(const open_arc_row *c, open_arc_state *s) {
-  open_arc_look(c, 0, SKF_PICK(1024, 64), s);
+  open_arc_look(c, 0, SKF_PICK(1024, 512), s);
 }
 #define cauchy_arc_begin          open_arc_begin
 #define inverse_squared_arc_begin open_arc_begin

@@ -37,6 +37,18 @@ SKF_INLINE quarter_view arc_quarter(const arc_row *c, const arc_view *f) {
   return (quarter_view){(K + K) * e.K, vd_fma(da, by_a, by_g), vd_fma(db, by_a, by_g)};
 }
 
+/* The same after one step more, for r_near >= r_far / 4096 */
+SKF_INLINE quarter_view arc_quarter_next(const arc_row *c, const arc_view *f) {
+  skf_vd da = vd_sqrt(f->alpha), db = vd_sqrt(f->beta), one = vd_set(1), half = vd_set(0.5), a0 = half * (da + db);
+  skf_vd g0 = vd_sqrt(da * db), a = half * (a0 + g0), g = vd_sqrt(a0 * g0), per = one / (a + g), q = (a - g) * per;
+  elliptic_view e = elliptic_series(q * q);
+  skf_vd m = (q + q) * e.slope, K = vd_set(2 * SKF_PI) * c->rho * per, scale = half * K * per;
+  skf_vd by_a = scale * vd_fnma(m, one - q, e.K), by_g = scale * (g * vd_fma(m, one + q, e.K));
+  skf_vd by_g0 = vd_fma(g0, by_a, by_g);
+  by_a += by_g / a0;
+  return (quarter_view){(K + K) * e.K, vd_fma(da, by_a, by_g0), vd_fma(db, by_a, by_g0)};
+}
+
 /* int dchi / r = R_F(U1^2, U2^2, U3^2) and int cos^2 chi / r^3 dchi = R_D / 3 + c0 c1 / (r0 r1 U3) with U1 = cs u,
    U2 = ds u, U3 = ns u times da, u the difference of the elliptic arguments at the ends [DLMF 19.29.4, 19.25.35]. The
    addition theorem [DLMF 22.8] gives them for any sweep; beyond a quarter period, where U1 < 0, u is measured from the
@@ -93,14 +105,15 @@ SKF_INLINE void inverse_arc_duplications(const arc_row *c, inverse_arc_state *s)
 #endif
 }
 
-SKF_INLINE skf_vvalue inverse_arc_finish(const arc_row *c, const inverse_arc_state *s, double scale) {
+SKF_INLINE skf_vvalue inverse_arc_finish(const arc_row *c, const inverse_arc_state *s, double scale, bool next) {
   const arc_view *f = &s->f;
   skf_vcarlson v = vd_carlson_end(&s->d, scale);
   skf_vi beyond = s->U1 < vd_set(0);
   skf_vd rho2 = c->rho + c->rho, I = v.rf, A = vd_set(1. / 3) * v.rd, rr = s->r0 * s->r1;
   if (vi_any(beyond)) {
-    quarter_view q = arc_quarter(c, f);
+    quarter_view q = next ? arc_quarter_next(c, f) : arc_quarter(c, f);
     skf_vd per_rho = vd_set(1) / rho2; /* twice a quarter's */
+    if (!next) v.good &= ~beyond | (vd_set(1024) * f->alpha > f->outer * f->outer);
     I = vd_select(beyond, vd_fma(q.K, per_rho, -I), I);
     A = vd_select(beyond, vd_fma(q.cos2 / f->alpha, per_rho, -A), A);
   }
@@ -111,10 +124,10 @@ SKF_INLINE skf_vvalue inverse_arc_finish(const arc_row *c, const inverse_arc_sta
 }
 
 SKF_INLINE skf_vvalue inverse_arc_end(const arc_row *c, const inverse_arc_state *s) {
-  return inverse_arc_finish(c, s, SKF_COUNT(0x1p-10, 0x1p-6));
+  return inverse_arc_finish(c, s, SKF_COUNT(0x1p-10, 0x1p-6), false);
 }
 
-/* With three duplications more */
+/* With three duplications more, in floats next to the circle, too */
 SKF_OUTLINE skf_vvalue inverse_arc_slow(const arc_row *c, skf_v3d x) {
   inverse_arc_state s;
   inverse_arc_begin(c, x, &s);
@@ -126,7 +139,7 @@ SKF_OUTLINE skf_vvalue inverse_arc_slow(const arc_row *c, skf_v3d x) {
     vd_carlson_roots(&s.d);
     vd_carlson_twice(&s.d, scale);
   }
-  return inverse_arc_finish(c, &s, last);
+  return inverse_arc_finish(c, &s, last, SKF_COUNT(false, true));
 }
 
 #ifndef SKF_VEC_FLOAT
