@@ -30,14 +30,19 @@ SKF_INLINE elliptic_view elliptic_series(skf_vd x) {
                              0.36955584248321885138, 0.031508843446869510371, 1.1955059210172823381,
                              -1.4165277447278784066, 2.0379935703406459773};
 #endif
+#ifdef SKF_VEC_FLOAT
+  return (elliptic_view){vd_fma(x, vd_horner(c, 6, x), vd_set(1)), vd_horner(d, 6, x)};
+#else
   return (elliptic_view){vd_fma(x, vd_estrin(c, sizeof c / sizeof *c, x), vd_set(1)),
                          vd_estrin(d, sizeof d / sizeof *d, x)};
+#endif
 }
 
-/* The circle's centre and normal; R^2, 2 R^2, 4 pi R times the strength; R, the normal as given and 1 / its length. */
+/* The circle's centre and normal; R^2, 2 R^2, 4 R^2, 4 pi R times the strength; R, the normal as given and 1 / its
+ * length. */
 typedef struct circle_row {
   skf_v3d center, n;
-  skf_vd R2, twice, F;
+  skf_vd R2, twice, four, F;
   skf_vd R;
   skf_v3d raw;
   skf_vd per_raw;
@@ -47,7 +52,7 @@ static double *circle_pack(const skf_prepared *e, double *k) {
   const skf_arc_plan *a = &e->plan.arc;
   double R2 = a->radius * a->radius;
   k = pack3(pack3(k, e->primitive.arc.center), a->n);
-  k = pack1(pack1(pack1(k, R2), 2 * R2), 4 * SKF_PI * a->radius * e->strength);
+  k = pack1(pack1(pack1(pack1(k, R2), 2 * R2), 4 * R2), 4 * SKF_PI * a->radius * e->strength);
   return pack1(pack3(pack1(k, a->radius), e->primitive.arc.normal), 1 / v3_norm(e->primitive.arc.normal));
 }
 
@@ -57,44 +62,35 @@ static double *circle_pack(const skf_prepared *e, double *k) {
    = D; one more step, q = (a - g) / (a + g) = R^2 k^2 / (a (a + g))^2 without cancellation, and 1 / M = 2 K(q^2) / (a +
    g). The gradient is that of this composition. */
 typedef struct inverse_circle_state {
-  skf_v3d w;                    /* from the axis to x */
-  skf_vd k2, z, s, rise, D2, D; /* rise = k^2 + z^2 - R^2 */
-  skf_vd a, g;                  /* set by the first stage */
-  skf_vd per, per_D;            /* 1 / (2 a (a + g))^2 / 2, 1 / D: set by the second */
+  skf_v3d d;                /* from the centre */
+  skf_vd k2, z, s, rise, D; /* rise = k^2 + z^2 - R^2 */
+  skf_vd a, g, per, per_D;  /* per: 1 / (2 a (a + g)) */
   skf_vi good;
 } inverse_circle_state;
 
 SKF_INLINE void inverse_circle_begin(const circle_row *c, skf_v3d x, inverse_circle_state *s) {
   skf_v3d d = vd3_sub(x, c->center);
-  skf_vd z = vd3_dot(d, c->n), zz = z * z;
-  skf_v3d w = vd3_less(d, z, c->n);
-  skf_vd k2 = vd3_dot(w, w), both = k2 + c->R2, less = k2 - c->R2, all = both + zz;
-  skf_vd D2 = vd_fma(less, less, zz * (all + both));
-  s->w = w, s->k2 = k2, s->z = z, s->s = all, s->rise = less + zz, s->D2 = D2;
-  s->D = vd_sqrt(D2);
-  s->good = (vd_set(256) * D2 > all * all) & (all < vd_set(SKF_PICK(1e70, 1e9)));
-}
-
-SKF_INLINE void inverse_circle_roots(const circle_row *c, inverse_circle_state *s) {
-  (void)c;
-  s->a = vd_sqrt(vd_set(0.5) * (s->s + s->D)), s->g = vd_sqrt(s->D);
+  skf_vd z = vd3_dot(d, c->n), zz = z * z, dd = vd3_dot(d, d), all = dd + c->R2, rise = dd - c->R2, less = rise - zz;
+  s->D = vd_sqrt(vd_fma(less, less, zz * (all + (all - zz))));
+  s->d = d, s->z = z, s->k2 = dd - zz, s->s = all, s->rise = rise;
 }
 
 SKF_INLINE void inverse_circle_quotients(const circle_row *c, inverse_circle_state *s) {
-  skf_vd sum = s->a + s->g;
   (void)c;
-  s->per = vd_set(1) / ((s->s + s->D) * (sum * sum)), s->per_D = vd_set(1) / s->D;
+  s->a = vd_sqrt(vd_set(0.5) * (s->s + s->D)), s->g = vd_sqrt(s->D);
+  s->good = (vd_set(16) * s->D > s->s) & (s->s < vd_set(SKF_PICK(1e70, 1e9)));
+  s->per = vd_set(0.5) / (s->a * (s->a + s->g)), s->per_D = vd_set(1) / s->D;
 }
 
+/* Along d and, as the slopes differ, along n */
 SKF_INLINE skf_vvalue inverse_circle_end(const circle_row *c, const inverse_circle_state *s) {
-  skf_vd one = vd_set(1), q = c->twice * s->k2 * s->per;
+  skf_vd one = vd_set(1), q = (c->four * s->k2) * (s->per * s->per), per_sum = (s->a + s->a) * s->per;
   elliptic_view e = elliptic_series(q * q);
-  skf_vd m = (q + q) * e.slope, top = (s->s + s->D) * s->per; /* 1 / (a + g)^2 */
+  skf_vd m = (q + q) * e.slope, F = c->F * per_sum;
   /* minus the slopes in a^2 and in g^2, by the same factor */
-  skf_vd by_a = vd_fnma(m, one - q, e.K) * (s->a * s->per), by_g = vd_fma(m, one + q, e.K) * (s->g * top * s->per_D);
-  skf_vd by_D = (by_a + by_g) * s->per_D, across = vd_fma(by_D, s->rise, by_a), along = vd_fma(by_D, s->s, by_a);
-  skf_v3d g = vd3_scale(-(c->F * across), s->w);
-  return (skf_vvalue){c->F * e.K * ((s->a + s->g) * top), vd3_less(g, c->F * (along * s->z), c->n), s->good};
+  skf_vd by_a = vd_fnma(m, one - q, e.K) * s->per, by_g = vd_fma(m, one + q, e.K) * (per_sum * (s->g * s->per_D));
+  skf_vd by_D = F * ((by_a + by_g) * s->per_D), across = vd_fma(by_D, s->rise, F * by_a);
+  return (skf_vvalue){F * e.K, vd3_less(vd3_scale(-across, s->d), by_D * (c->twice * s->z), c->n), s->good};
 }
 
 /* Next to the circle, down to r_near = r_far / 1000: k^2 - R^2 and z from the lower halves of the coordinates, and two
@@ -118,7 +114,6 @@ SKF_OUTLINE skf_vvalue inverse_circle_next(const circle_row *c, skf_v3d x) {
                           (s > vd_set(SKF_PICK(1e-70, 1e-9))) & (vd_set(16) * D < s)};
 }
 
-SKF_BATCH_CROSSED(inverse_circle, circle, inverse_circle_next, inverse_circle_roots, inverse_circle_quotients,
-                  skf_stage_none)
+SKF_BATCH_CROSSED(inverse_circle, circle, inverse_circle_next, inverse_circle_quotients, skf_stage_none, skf_stage_none)
 
 #endif
