@@ -69,8 +69,8 @@ typedef struct arc_moments {
 } arc_moments;
 
 /* Of short windows from the highest one by parts: sums of positive terms; of long ones, whose series would lose digits,
-   from the lowest */
-SKF_INLINE arc_moments window_moments(skf_vd half, skf_vd sin, skf_vd cos, bool cubes) {
+   from the lowest. ss, part: sin^2, sin cos of half */
+SKF_INLINE arc_moments window_moments(skf_vd half, skf_vd ss, skf_vd part, bool cubes) {
   /* int sin^4 / half^5 and int sin^6 / half^7 in half^2 */
 #ifdef SKF_VEC_FLOAT /* 1e-9, 6e-9 */
   static const double fourth[] = {0.39999999983489010404,    -0.19047618190539098047,   0.044444371260539488468,
@@ -90,7 +90,7 @@ SKF_INLINE arc_moments window_moments(skf_vd half, skf_vd sin, skf_vd cos, bool 
                                  -1.9081624680720755470e-8,  9.7688486483416124894e-10, -4.2690744325123963976e-11,
                                  1.5155683150520404408e-12,  -3.3921132013577363614e-14};
 #endif
-  skf_vd y = half * half, up = half * y * y, ss = sin * sin, part = sin * cos;
+  skf_vd y = half * half, up = half * y * y;
   arc_moments m = {.m0 = half + half};
   if (cubes) {
     m.m3 = up * y * vd_estrin(sixth, sizeof sixth / sizeof *sixth, y);
@@ -142,7 +142,7 @@ SKF_INLINE void polynomial_window(const compact_arc_row *c, const disc_view *d, 
   skf_vd twice = vd_set(2) * vd_abs(mid.sin * mid.cos), cosine = (mid.cos - mid.sin) * (mid.cos + mid.sin);
   skf_vd across = vd_fma(twice, half.cos, cosine * half.sin);
   skf_vd q = vd_select(d->cut, vd_fma(spread * half.sin, across, w->q * per_R2), vd_fma(spread, mid.cos * mid.cos, qb));
-  arc_moments m = window_moments(w->half, half.sin, half.cos, c3 != 0);
+  arc_moments m = window_moments(w->half, half.sin * half.sin, half.sin * half.cos, c3 != 0);
   polynomial_moments(q, spread, mid.cos, mid.sin, &m, c2, c3, sum, w->some);
 }
 
@@ -189,31 +189,93 @@ SKF_INLINE skf_vvalue polynomial_arc(const compact_arc_row *c, skf_v3d x, double
   return compact_finish(c, &f, &d, &s, vd_set(-2) * per_R2, ends);
 }
 
-SKF_INLINE skf_vvalue polynomial_circle(const compact_arc_row *c, skf_v3d x, double c2, double c3) {
-  arc_view f = arc_see(&c->arc, x);
-  disc_view d = arc_disc(c, &f);
-  skf_vd zero = vd_set(0);
-  arc_sum s = {zero, zero, zero};
-  skf_vd per_R2 = c->per_R * c->per_R;
-  if (!vi_any(d.some)) return compact_finish(c, &f, &d, &s, vd_set(-2) * per_R2, zero);
-  skf_vd per = vd_set(1) / vd_sqrt(d.spread), sin = per * d.wide, cos = per * d.thin;
-  arc_moments m = window_moments(d.rim, vd_select(d.cut, sin, vd_set(1)), vd_select(d.cut, cos, zero), c3 != 0);
-  polynomial_moments(d.qa * per_R2, d.spread * per_R2, vd_set(1), zero, &m, c2, c3, &s, d.some);
-  return compact_finish(c, &f, &d, &s, vd_set(-2) * per_R2, zero);
+/* Along a circle the axes do not matter: w from the axis to x. The window is about chi = 0, the whole circle where
+   nothing is cut. In units of R and of the circle's factors. */
+typedef struct compact_circle_row {
+  skf_v3d center, n;
+  skf_vd rho, R2, per_R2, four, F, g; /* 4 rho, 2 rho and -4 rho / R^2 times the strength */
+} compact_circle_row;
+
+static double *compact_circle_pack(const skf_prepared *e, double *k) {
+  const double rho = e->plan.arc.radius, R = e->kernel.param, F = 2 * rho * e->strength;
+  k = pack3(pack3(k, e->primitive.arc.center), e->plan.arc.n);
+  k = pack1(pack1(pack1(k, rho), R * R), 1 / (R * R));
+  return pack1(pack1(pack1(k, 4 * rho), F), -2 / (R * R) * F);
+}
+
+typedef struct polynomial_circle_state {
+  skf_v3d w;
+  skf_vd z, k, qa, root, per; /* root: of -qa qb, where cut; per: 1 / spread */
+  skf_vd offset, angle;       /* of the rim */
+  skf_vi good;
+} polynomial_circle_state;
+typedef polynomial_circle_state quartic_circle_state, soft_object_circle_state;
+
+SKF_INLINE void polynomial_circle_begin(const compact_circle_row *c, skf_v3d x, polynomial_circle_state *s) {
+  skf_v3d d = vd3_sub(x, c->center);
+  s->z = vd3_dot(d, c->n);
+  s->w = vd3_less(d, s->z, c->n);
+  s->k = vd_sqrt(vd3_dot(s->w, s->w));
+}
+#define quartic_circle_begin     polynomial_circle_begin
+#define soft_object_circle_begin polynomial_circle_begin
+
+SKF_INLINE void polynomial_circle_roots(const compact_circle_row *c, polynomial_circle_state *s) {
+  skf_vd inner = s->k - c->rho, outer = s->k + c->rho, alpha = vd_fma(inner, inner, s->z * s->z), qa = c->R2 - alpha;
+  skf_vd spread = c->four * s->k, most = outer * outer;
+  s->qa = qa;
+  s->root = vd_sqrt(vd_max(qa * (spread - qa), vd_set(0)));
+  s->per = vd_set(1) / vd_max(spread, vd_set(SKF_PICK(1e-60, 1e-18)) * c->R2);
+  s->good = (vd_set(SKF_PICK(1024, 0x1p14)) * vd_abs(qa) >= c->R2) & (most < vd_set(SKF_PICK(1e70, 1e16)));
+  /* next to the circle the distance from it is exact enough only for a large support */
+  s->good &= vd_max(vd_set(SKF_PICK(1024, 0x1p24)) * alpha, vd_set(SKF_PICK(4, 0x1p16)) * c->R2) > most;
+}
+
+SKF_INLINE void polynomial_circle_rim(const compact_circle_row *c, polynomial_circle_state *s) {
+  (void)c;
+  skf_vangle a = vd_angle_parts(vd_max(s->qa, vd_set(0)), s->root);
+  s->offset = a.offset, s->angle = a.top / a.bottom;
+}
+
+SKF_INLINE void polynomial_circle_series(const compact_circle_row *c, polynomial_circle_state *s) {
+  (void)c;
+  s->angle = vd_angle_series(s->offset, s->angle);
+}
+
+SKF_INLINE skf_vvalue polynomial_circle(const compact_circle_row *c, const polynomial_circle_state *s, double c2,
+                                        double c3) {
+  skf_vd e = c->four * s->k * c->per_R2, q = s->qa * c->per_R2, two = vd_set(2 * c2);
+  arc_moments m = window_moments(s->angle, vd_min(s->qa * s->per, vd_set(1)), s->root * s->per, c3 != 0);
+  skf_vd L0 = vd_fma(q, m.m0, -(e * m.m1)), L1 = vd_fma(q, m.m1, -(e * m.m2)), J0 = vd_fma(q, L0, -(e * L1));
+  skf_vd F = vd_set(c2) * J0, all = two * L0, ss = two * L1; /* all: int g */
+  if (c3 != 0) {
+    skf_vd L2 = vd_fma(q, m.m2, -(e * m.m3)), J1 = vd_fma(q, L1, -(e * L2)), three = vd_set(3 * c3);
+    F = vd_fma(vd_set(c3), vd_fma(q, J0, -(e * J1)), F);
+    all = vd_fma(three, J0, all), ss = vd_fma(three, J1, ss);
+  }
+  skf_vd across = vd_fma(s->k - c->rho, all, (c->rho + c->rho) * ss), per_k = c->four * s->per;
+  skf_vi some = s->qa > vd_set(0);
+  F = (skf_vd)((skf_vi)(c->F * F) & some);
+  skf_vd by_w = (skf_vd)((skf_vi)(c->g * across * per_k) & some), by_n = (skf_vd)((skf_vi)(c->g * all * s->z) & some);
+  return (skf_vvalue){F, vd3_mad(vd3_scale(by_w, s->w), by_n, c->n), s->good};
+}
+SKF_INLINE skf_vvalue quartic_circle_end(const compact_circle_row *c, const quartic_circle_state *s) {
+  return polynomial_circle(c, s, 1, 0);
+}
+SKF_INLINE skf_vvalue soft_object_circle_end(const compact_circle_row *c, const soft_object_circle_state *s) {
+  return polynomial_circle(c, s, 5. / 9, 4. / 9);
 }
 
 SKF_OUTLINE skf_vvalue quartic_arc(const compact_arc_row *c, skf_v3d x) { return polynomial_arc(c, x, 1, 0); }
-SKF_OUTLINE skf_vvalue quartic_circle(const compact_arc_row *c, skf_v3d x) { return polynomial_circle(c, x, 1, 0); }
 SKF_OUTLINE skf_vvalue soft_object_arc(const compact_arc_row *c, skf_v3d x) {
   return polynomial_arc(c, x, 5. / 9, 4. / 9);
 }
-SKF_OUTLINE skf_vvalue soft_object_circle(const compact_arc_row *c, skf_v3d x) {
-  return polynomial_circle(c, x, 5. / 9, 4. / 9);
-}
 
 SKF_BATCH_FORM(quartic_arc, compact_arc, skf_again_none)
-SKF_BATCH_FORM(quartic_circle, compact_arc, skf_again_none)
+SKF_BATCH_SCALED(quartic_circle, compact_circle, skf_again_none, polynomial_circle_roots, polynomial_circle_rim,
+                 polynomial_circle_series)
 SKF_BATCH_FORM(soft_object_arc, compact_arc, skf_again_none)
-SKF_BATCH_FORM(soft_object_circle, compact_arc, skf_again_none)
+SKF_BATCH_SCALED(soft_object_circle, compact_circle, skf_again_none, polynomial_circle_roots, polynomial_circle_rim,
+                 polynomial_circle_series)
 
 #endif

@@ -38,8 +38,8 @@ SKF_INLINE elliptic_view elliptic_series(skf_vd x) {
 #endif
 }
 
-/* The circle's centre and normal; R^2, 2 R^2, 4 R^2, 4 pi R times the strength; R, the normal as given and 1 / its
- * length. */
+/* The circle's centre and normal; R^2, two and four times that; 4 pi R times the strength; R, the normal as given and
+   1 / its length. */
 typedef struct circle_row {
   skf_v3d center, n;
   skf_vd R2, twice, four, F;
