@@ -266,15 +266,131 @@ SKF_INLINE skf_vvalue soft_object_circle_end(const compact_circle_row *c, const 
   return polynomial_circle(c, s, 5. / 9, 4. / 9);
 }
 
-SKF_OUTLINE skf_vvalue quartic_arc(const compact_arc_row *c, skf_v3d x) { return polynomial_arc(c, x, 1, 0); }
-SKF_OUTLINE skf_vvalue soft_object_arc(const compact_arc_row *c, skf_v3d x) {
-  return polynomial_arc(c, x, 5. / 9, 4. / 9);
+/* The same of an arc that x sees in one window, off the axis, stage after stage. */
+typedef struct polynomial_arc_state {
+  skf_vd u, v, z, k, per_k, qa;
+  skf_vd root, cb, sb;         /* of -qa qb, where cut; cos and sin of half the azimuth up to signs, as arc_ends */
+  skf_vd turn_offset, turn;    /* of half the azimuth */
+  skf_vd rim_offset, rim;      /* of the rim */
+  skf_vd mid, half, q, q0, q1; /* q: R^2 - r^2 at the farther end, then in the middle */
+  skf_vsincos at;              /* of mid */
+  arc_moments m;               /* m0, m1 at first sin and cos of half */
+  skf_vi some, good;
+} polynomial_arc_state;
+typedef polynomial_arc_state quartic_arc_state, soft_object_arc_state;
+
+SKF_INLINE void polynomial_arc_begin(const compact_arc_row *row, skf_v3d x, polynomial_arc_state *s) {
+  const arc_row *c = &row->arc;
+  skf_v3d d = vd3_sub(x, c->center);
+  s->u = vd3_dot(d, c->e), s->v = vd3_dot(d, c->f), s->z = vd3_dot(d, c->n);
+  s->k = vd_sqrt(vd_fma(s->u, s->u, s->v * s->v));
+}
+#define quartic_arc_begin     polynomial_arc_begin
+#define soft_object_arc_begin polynomial_arc_begin
+
+SKF_INLINE void polynomial_arc_look(const compact_arc_row *row, polynomial_arc_state *s) {
+  const skf_vd rho = row->arc.rho, inner = s->k - rho, outer = s->k + rho, alpha = vd_fma(inner, inner, s->z * s->z);
+  const skf_vd spread = vd_set(4) * rho * s->k, most = outer * outer;
+  s->qa = row->R2 - alpha;
+  s->root = vd_sqrt(vd_max(s->qa * (spread - s->qa), vd_set(0)));
+  s->per_k = vd_set(1) / s->k;
+  skf_vangle a = vd_angle_parts(vd_abs(s->v), s->k + vd_abs(s->u));
+  s->turn_offset = a.offset, s->turn = a.top / a.bottom;
+  s->good = (vd_set(SKF_PICK(1024, 0x1p14)) * vd_abs(s->qa) >= row->R2) & (most < vd_set(SKF_PICK(1e70, 1e16)));
+  s->good &= (vd_max(vd_set(1024) * alpha, vd_set(4) * row->R2) > most) & (s->k > vd_set(SKF_PICK(1e-30, 1e-16)) * rho);
 }
 
-SKF_BATCH_FORM(quartic_arc, compact_arc, skf_again_none)
+SKF_INLINE void polynomial_arc_angles(const compact_arc_row *row, polynomial_arc_state *s) {
+  (void)row;
+  skf_vd half = vd_set(0.5), by = half * s->per_k;
+  s->cb = vd_sqrt(vd_fma(by, vd_abs(s->u), half));
+  s->sb = (skf_vd)((skf_vi)(by * s->v) ^ (vi_sign_bit() ^ vd_sign(s->u))) / s->cb;
+  skf_vangle a = vd_angle_parts(vd_max(s->qa, vd_set(0)), s->root);
+  s->rim_offset = a.offset, s->rim = a.top / a.bottom;
+}
+
+/* Of a window about chi = pi, which the arc reaches where it begins beyond the rim, chi is measured from there. */
+SKF_INLINE void polynomial_arc_window(const compact_arc_row *row, polynomial_arc_state *s) {
+  const arc_row *c = &row->arc;
+  skf_vd zero = vd_set(0), half = vd_set(0.5), pi = vd_set(SKF_PI), spread = vd_set(4) * c->rho * s->k;
+  skf_vd qa = s->qa, qb = qa - spread, turn = vd_angle_series(s->turn_offset, s->turn);
+  skf_vi behind = s->u < zero, cut = qb < zero;
+  skf_vd rim = vd_select(cut, vd_angle_series(s->rim_offset, s->rim), pi + pi);
+  turn = vd_select(behind, vd_set(SKF_PI / 2) - turn, turn);
+  skf_vd chi0 = (skf_vd)((skf_vi)turn ^ (vi_sign_bit() ^ vd_sign(s->v)));
+  skf_vi beyond = chi0 >= rim;
+  chi0 -= (skf_vd)((skf_vi)pi & beyond);
+  skf_vd chi1 = chi0 + row->half, lo = vd_max(chi0, -rim), hi = vd_min(chi1, rim);
+  skf_vi cut_lo = lo > chi0, cut_hi = hi < chi1;
+  skf_vd length = vd_select(cut_lo | cut_hi, hi - lo, row->half), mid = half * (lo + hi);
+  skf_vi seen = qa > zero, upper = mid >= zero, none = (upper & cut_hi) | (~upper & cut_lo);
+  s->some = seen & (length > zero);
+  skf_vd cb = s->cb, sb = s->sb, c1 = vd_fma(c->C, cb, -(c->S * sb)), s1 = vd_fma(c->S, cb, c->C * sb);
+  skf_vd cc0 = cb * cb, ss0 = sb * sb, cc1 = c1 * c1, ss1 = s1 * s1;
+  s->q0 = vd_fma(qa, vd_select(behind, ss0, cc0), qb * vd_select(behind, cc0, ss0));
+  s->q1 = vd_fma(qa, vd_select(behind, ss1, cc1), qb * vd_select(behind, cc1, ss1));
+  s->q = (skf_vd)((skf_vi)vd_select(upper, s->q1, s->q0) & ~none);
+  s->mid = mid, s->half = half * vd_max(length, zero);
+  s->good &= ~(seen & ((vd_set(SKF_PICK(1024, 4096)) * vd_min(vd_abs(s->q0), vd_abs(s->q1)) < row->R2) |
+                       (cut & ~beyond & (chi1 > pi - rim))));
+}
+
+SKF_INLINE void polynomial_arc_middle(const compact_arc_row *row, polynomial_arc_state *s) {
+  skf_vd per_R2 = row->per_R * row->per_R, spread = vd_set(4) * row->arc.rho * s->k, e = spread * per_R2;
+  skf_vsincos mid = vd_sincos(s->mid), half = vd_sincos(s->half);
+  skf_vd twice = vd_set(2) * vd_abs(mid.sin * mid.cos), cosine = (mid.cos - mid.sin) * (mid.cos + mid.sin);
+  skf_vd across = vd_fma(twice, half.cos, cosine * half.sin), qb = s->qa - spread;
+  s->q =
+      vd_select(qb < vd_set(0), vd_fma(e * half.sin, across, s->q * per_R2), vd_fma(e, mid.cos * mid.cos, qb * per_R2));
+  s->at = mid, s->m.m0 = half.sin, s->m.m1 = half.cos;
+}
+
+SKF_INLINE void quartic_arc_gather(const compact_arc_row *row, polynomial_arc_state *s) {
+  (void)row;
+  s->m = window_moments(s->half, s->m.m0 * s->m.m0, s->m.m0 * s->m.m1, false);
+}
+SKF_INLINE void soft_object_arc_gather(const compact_arc_row *row, polynomial_arc_state *s) {
+  (void)row;
+  s->m = window_moments(s->half, s->m.m0 * s->m.m0, s->m.m0 * s->m.m1, true);
+}
+
+SKF_INLINE skf_vvalue polynomial_arc_sum(const compact_arc_row *row, const polynomial_arc_state *s, double c2,
+                                         double c3) {
+  const arc_row *c = &row->arc;
+  skf_vd zero = vd_set(0), per_R2 = row->per_R * row->per_R, spread = vd_set(4) * c->rho * s->k;
+  skf_vd ux = s->u * s->per_k, uy = s->v * s->per_k;
+  arc_sum sum = {zero, zero, zero};
+  polynomial_moments(s->q, spread * per_R2, s->at.cos, s->at.sin, &s->m, c2, c3, &sum, s->some);
+  skf_vi in0 = s->q0 > zero, in1 = s->q1 > zero;
+  skf_vd turn = vd_set(4) * c->rho * (c->S * vd_fma(c->S, ux, -(c->C * uy)));
+  skf_vd m0 = vd_max(s->q0, zero) * per_R2, m1 = vd_max(s->q1, zero) * per_R2, both = m0 + m1;
+  skf_vd dm = vd_select(in0 & in1, turn * per_R2, (m0 - m1) * s->per_k);
+  skf_vd ends = c->rho * dm * vd_fma(vd_set(c3), vd_fma(both, both, -(m0 * m1)), vd_set(c2) * both);
+  ends = (skf_vd)((skf_vi)ends & (s->qa > zero));
+  skf_vd F = (c->rho + c->rho) * c->strength, g = vd_set(-2) * per_R2 * F;
+  const arc_view f = {.z = s->z, .ux = ux, .uy = uy, .inner = s->k - c->rho, .outer = s->k + c->rho, .good = s->good};
+  return arc_finish(c, &f, F * sum.F, g * sum.cc, g * sum.ss, c->strength * ends, s->good);
+}
+SKF_INLINE skf_vvalue quartic_arc_end(const compact_arc_row *c, const quartic_arc_state *s) {
+  return polynomial_arc_sum(c, s, 1, 0);
+}
+SKF_INLINE skf_vvalue soft_object_arc_end(const compact_arc_row *c, const soft_object_arc_state *s) {
+  return polynomial_arc_sum(c, s, 5. / 9, 4. / 9);
+}
+
+SKF_OUTLINE skf_vvalue quartic_arc_twice(const compact_arc_row *c, skf_v3d x) {
+  return vv_scale(c->arc.strength, polynomial_arc(c, x, 1, 0));
+}
+SKF_OUTLINE skf_vvalue soft_object_arc_twice(const compact_arc_row *c, skf_v3d x) {
+  return vv_scale(c->arc.strength, polynomial_arc(c, x, 5. / 9, 4. / 9));
+}
+
+SKF_BATCH_LONG(quartic_arc, compact_arc, quartic_arc_twice, polynomial_arc_look, polynomial_arc_angles,
+               polynomial_arc_window, polynomial_arc_middle, quartic_arc_gather)
 SKF_BATCH_SCALED(quartic_circle, compact_circle, skf_again_none, polynomial_circle_roots, polynomial_circle_rim,
                  polynomial_circle_series)
-SKF_BATCH_FORM(soft_object_arc, compact_arc, skf_again_none)
+SKF_BATCH_LONG(soft_object_arc, compact_arc, soft_object_arc_twice, polynomial_arc_look, polynomial_arc_angles,
+               polynomial_arc_window, polynomial_arc_middle, soft_object_arc_gather)
 SKF_BATCH_SCALED(soft_object_circle, compact_circle, skf_again_none, polynomial_circle_roots, polynomial_circle_rim,
                  polynomial_circle_series)
 
