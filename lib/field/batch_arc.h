@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Arcs and circles seen by vector forms; Cauchy's kernel along a circle. The geometry is that of arc_frame.c; points
+/* Arcs and circles seen by vector forms. The geometry is that of arc_frame.c; points
    next to the circle, where it needs double-double, are left to the closed form. */
 #ifndef SKF_FIELD_BATCH_ARC_H
 #define SKF_FIELD_BATCH_ARC_H
@@ -56,35 +56,5 @@ SKF_INLINE skf_vvalue arc_finish(const arc_row *c, const arc_view *f, skf_vd F, 
   g = vd3_mad(g, vd_fma(k, f->uy, ends * f->ux), c->f);
   return (skf_vvalue){F, vd3_mad(g, f->z * (cc + ss), c->n), good & f->good};
 }
-
-#ifndef SKF_VEC_FLOAT
-typedef struct cauchy_factors {
-  skf_vd Pm, Pp, D, per_D, im, ip;
-  skf_vi good;
-} cauchy_factors;
-
-SKF_INLINE cauchy_factors cauchy_factor(const arc_row *c, const arc_view *f) {
-  skf_vd one = vd_set(1), Pm = vd_fma(c->param2, f->alpha, one), Pp = vd_fma(c->param2, f->beta, one), PP = Pm * Pp;
-  skf_vd D = vd_sqrt(PP), per_D = one / D, per = per_D * per_D;
-  return (cauchy_factors){Pm, Pp, D, per_D, Pp * per, Pm * per, vd_sane(PP)};
-}
-
-/* From the integrals of cos^2, sin^2, cos^4, sin^4, cos^2 sin^2 */
-SKF_INLINE skf_vvalue cauchy_gather(const arc_row *c, const arc_view *f, const cauchy_factors *p, skf_vd c2, skf_vd s2,
-                                    skf_vd c4, skf_vd s4, skf_vd mixed, skf_vd ends, skf_vi good) {
-  skf_vd K = (c->rho + c->rho) * p->per_D, G = vd_set(-4) * c->param2 * K, F = K * vd_fma(c2, p->im, s2 * p->ip);
-  skf_vd cc = G * p->im * vd_fma(c4, p->im, mixed * p->ip), ss = G * p->ip * vd_fma(mixed, p->im, s4 * p->ip);
-  return arc_finish(c, f, F, cc, ss, ends, good & p->good);
-}
-
-SKF_INLINE skf_vvalue cauchy_circle(const arc_row *c, skf_v3d x) {
-  arc_view f = circle_see(c, x);
-  cauchy_factors p = cauchy_factor(c, &f);
-  skf_vd second = vd_set(SKF_PI / 2), fourth = vd_set(3 * SKF_PI / 8);
-  return cauchy_gather(c, &f, &p, second, second, fourth, fourth, vd_set(SKF_PI / 8), vd_set(0), vi_set(-1));
-}
-
-SKF_BATCH_FORM(cauchy_circle, arc, skf_again_none)
-#endif
 
 #endif

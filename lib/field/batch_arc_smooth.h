@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Vector forms: 1 / r along an arc, 1 / r^2 and Gaussians along a circle. */
+/* Vector forms: 1 / r along an arc, Gaussians along a circle. */
 #ifndef SKF_FIELD_BATCH_ARC_SMOOTH_H
 #define SKF_FIELD_BATCH_ARC_SMOOTH_H
 
@@ -141,23 +141,6 @@ SKF_OUTLINE skf_vvalue inverse_arc_slow(const arc_row *c, skf_v3d x) {
   }
   return inverse_arc_finish(c, &s, last, SKF_COUNT(false, true));
 }
-
-#ifndef SKF_VEC_FLOAT
-/* From delta, int cos^2 and int sin^2 of the span in which r^2 = alpha cos^2 chi + beta sin^2 chi is 1. */
-SKF_INLINE skf_vvalue squared_gather(const arc_row *c, const arc_view *f, skf_vd per_D, skf_vd delta, skf_vd c2,
-                                     skf_vd s2, skf_vd ends, skf_vi good) {
-  skf_vd K = (c->rho + c->rho) * per_D, G = vd_set(-2) * K * (per_D * per_D);
-  return arc_finish(c, f, K * delta, G * f->beta * c2, G * f->alpha * s2, ends, good);
-}
-
-SKF_INLINE skf_vvalue inverse_squared_circle(const arc_row *c, skf_v3d x) {
-  arc_view f = circle_see(c, x);
-  skf_vd DD = f.alpha * f.beta, D = vd_sqrt(DD), half = vd_set(SKF_PI / 2);
-  return squared_gather(c, &f, vd_set(1) / D, half + half, half, half, vd_set(0), vd_sane(DD * D));
-}
-
-SKF_BATCH_FORM(inverse_squared_circle, arc, skf_again_none)
-#endif
 
 /* gaussian.c's circle, b = 2 a^2 rho k. */
 SKF_INLINE skf_vvalue gaussian_circle(const arc_row *c, skf_v3d x) {

@@ -18,6 +18,7 @@
 #include "field/batch_area_smooth.h"
 #include "field/batch_plane.h"
 #include "field/batch_point.h"
+#include "field/batch_ring.h"
 #include "field/batch_segment.h"
 #include "field/batch_segment_compact.h"
 #include "field/batch_segment_smooth.h"

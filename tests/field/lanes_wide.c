@@ -3,6 +3,7 @@
 #include "field/batch_arc_open.h"
 #include "field/batch_circle.h"
 #include "field/batch_point.h"
+#include "field/batch_ring.h"
 #include "field/batch_segment.h"
 #include "field/batch_triangle.h"
 
