@@ -5,11 +5,11 @@
 
 #include "field/batch_loop.h"
 
-/* s^2, l - s^2 R^2, l = 1 or 0, two and four times s^2 R^2, 2 R^2; factors of the results; for doubles next to the
-   circle R and the normal as given, times s / |normal|. */
+/* The normal s long, and 2 R^2 times that; s^2, l = 1 or 0, l - s^2 R^2, two and four times s^2 R^2; factors of the
+   results; for doubles next to the circle the normal as given, R, s / |normal|. */
 typedef struct ring_row {
-  skf_v3d center, n; /* s long */
-  skf_vd s2, least, rest, two, four, along, F, g;
+  skf_v3d center, n, over;
+  skf_vd s2, least, rest, two, four, F, g;
 #ifndef SKF_VEC_FLOAT
   skf_v3d raw;
   skf_vd R, per_raw;
@@ -19,8 +19,8 @@ typedef struct ring_row {
 static double *ring_pack_by(const skf_prepared *e, double s, double least, double F, double g, double *k) {
   const skf_arc_plan *a = &e->plan.arc;
   double R2 = a->radius * a->radius, q = s * s * R2, size = 2 * SKF_PI * a->radius * e->strength;
-  k = pack1(pack1(pack3(pack3(k, e->primitive.arc.center), v3_scale(s, a->n)), s * s), least);
-  k = pack1(pack1(pack1(pack1(k, least - q), 2 * q), 4 * q), 2 * R2);
+  k = pack3(pack3(pack3(k, e->primitive.arc.center), v3_scale(s, a->n)), v3_scale(2 * R2 * s, a->n));
+  k = pack1(pack1(pack1(pack1(pack1(k, s * s), least), least - q), 2 * q), 4 * q);
   k = pack1(pack1(k, F * size), g * size);
 #ifndef SKF_VEC_FLOAT
   k = pack1(pack1(pack3(k, a->raw), a->radius), s / a->raw_length);
@@ -60,15 +60,15 @@ SKF_INLINE void ring_begin(const ring_row *c, skf_v3d x, ring_state *s) {
 /* int 1 / W^2 = 2 pi R a / D^3 */
 SKF_INLINE skf_vvalue cauchy_ring(const ring_row *c, const ring_state *s) {
   skf_vd a = s->v + c->two, third = vd_set(-3) * a, cube = s->D * s->per * s->per, slope = c->g * (cube * s->per);
-  skf_vd across = slope * vd_fma(third, s->v, s->D2), along = (slope * third) * (c->along * s->z);
-  return (skf_vvalue){c->F * (a * cube), vd3_mad(vd3_scale(across, s->d), along, c->n),
+  skf_vd across = slope * vd_fma(third, s->v, s->D2), along = (slope * third) * s->z;
+  return (skf_vvalue){c->F * (a * cube), vd3_mad(vd3_scale(across, s->d), along, c->over),
                       s->D2 < vd_set(SKF_PICK(1e90, 1e14))};
 }
 
 /* int 1 / r^2 = 2 pi R / D */
 SKF_INLINE skf_vvalue squared_ring(const ring_row *c, const ring_state *s) {
   skf_vd per_D = s->D * s->per, slope = c->g * (per_D * s->per);
-  return (skf_vvalue){c->F * per_D, vd3_mad(vd3_scale(slope * s->v, s->d), slope * (c->along * s->z), c->n),
+  return (skf_vvalue){c->F * per_D, vd3_mad(vd3_scale(slope * s->v, s->d), slope * s->z, c->over),
                       (s->D2 > vd_set(SKF_PICK(1e-90, 1e-20))) & (s->D2 < vd_set(SKF_PICK(1e90, 1e20)))};
 }
 
