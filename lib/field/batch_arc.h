@@ -4,7 +4,7 @@
 #ifndef SKF_FIELD_BATCH_ARC_H
 #define SKF_FIELD_BATCH_ARC_H
 
-#include "field/batch_span.h"
+#include "field/batch_loop.h"
 
 /* As skf_arc_plan; the kernel's parameter squared */
 typedef struct arc_row {

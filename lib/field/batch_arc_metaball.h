@@ -7,6 +7,7 @@
 #define SKF_FIELD_BATCH_ARC_METABALL_H
 
 #include "field/batch_arc_compact.h"
+#include "field/batch_span.h"
 #include "num/gauss.h"
 
 /* An angle in [0, pi / 2] */

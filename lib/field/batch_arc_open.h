@@ -16,7 +16,7 @@
 #ifndef SKF_FIELD_BATCH_ARC_OPEN_H
 #define SKF_FIELD_BATCH_ARC_OPEN_H
 
-#include "field/batch_arc.h"
+#include "field/batch_loop.h"
 
 typedef struct open_arc_row {
   skf_v3d from, m, t, n;         /* the origin of u; the axes of u, t, z, s long */

@@ -99,6 +99,30 @@ static void test_wide(void **state) {
   }
 }
 
+/* Short arcs from where the products of distances to their ends leave the range of floats */
+static void test_far_arcs(void **state) {
+  (void)state;
+  uint64_t seed = 35;
+  for (int n = 0; n < 60; n++) {
+    skf_element e = {.kernel = {n % 3 ? SKF_CAUCHY : SKF_INVERSE_SQUARED, pow(10, rnd(&seed, -1, 1.2)), NULL},
+                     .strength = 1};
+    rnd_primitive(&seed, SKF_ARC, 1, &e.primitive);
+    e.primitive.arc.sweep = pow(10, rnd(&seed, -3, -1));
+    for (int i = 0; i < POINTS; i++) {
+      const skf_vec3 x = v3_scale(pow(10, rnd(&seed, 1, 4)), rnd_unit(&seed));
+      for (int k = 0; k < 3; k++) p[k][i] = (float)v3_get(x, k);
+    }
+    skf_field *f = make(&e, 1);
+    eval(f, v3(0, 0, 0), 1);
+    for (int i = 0; i < POINTS; i++) {
+      const double worst = excess(f, local(i), 4 * ulp * v3_norm(local(i)), 16, 1e-36, i);
+      if (!(worst <= 2))
+        fail_msg("sweep %g, s = %g, from %g: %.2f", e.primitive.arc.sweep, e.kernel.param, v3_norm(local(i)), worst);
+    }
+    skf_field_free(f);
+  }
+}
+
 /* The same body and points a million lengths away and ten million times larger give the same floats, scaled. */
 static void test_frame(void **state) {
   (void)state;
@@ -210,8 +234,8 @@ static void test_overflow(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_pairs), cmocka_unit_test(test_wide),
-                                     cmocka_unit_test(test_frame), cmocka_unit_test(test_sum),
-                                     cmocka_unit_test(test_overflow)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_pairs),    cmocka_unit_test(test_wide),
+                                     cmocka_unit_test(test_far_arcs), cmocka_unit_test(test_frame),
+                                     cmocka_unit_test(test_sum),      cmocka_unit_test(test_overflow)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
