@@ -5,6 +5,7 @@
 #ifndef SKF_FIELD_BATCH_AREA_COMPACT_H
 #define SKF_FIELD_BATCH_AREA_COMPACT_H
 
+#include "field/batch_area_flat.h"
 #include "field/batch_panel.h"
 
 /* Half chord of an edge's line in the disc of squared radius rm2, and the edge's part b1..b2 in it. */
@@ -152,17 +153,41 @@ SKF_INLINE skf_vvalue disc_triangle_beyond(bool soft, const area_row *c, skf_v3d
   return disc_edges(soft, true, c, &f, &disc, good);
 }
 
-SKF_OUTLINE skf_vvalue quartic_triangle(const area_row *c, skf_v3d x) { return disc_triangle(false, c, x); }
-SKF_OUTLINE skf_vvalue soft_object_triangle(const area_row *c, skf_v3d x) { return disc_triangle(true, c, x); }
+/* For doubles, whose frame may not be enough, the triangle as it is, too */
+typedef struct compact_row {
+  flat_row flat;
+#ifndef SKF_VEC_FLOAT
+  area_row area;
+#endif
+} compact_row;
 
-SKF_OUTLINE skf_vvalue quartic_triangle_beyond(const area_row *c, skf_v3d x) {
-  return disc_triangle_beyond(false, c, x);
-}
-SKF_OUTLINE skf_vvalue soft_object_triangle_beyond(const area_row *c, skf_v3d x) {
-  return disc_triangle_beyond(true, c, x);
+static double *compact_pack(const skf_prepared *e, double *k) {
+  k = flat_pack(e, k);
+#ifndef SKF_VEC_FLOAT
+  k = area_pack(e, k);
+#endif
+  return k;
 }
 
-SKF_BATCH_FORM(quartic_triangle, area, quartic_triangle_beyond)
-SKF_BATCH_FORM(soft_object_triangle, area, soft_object_triangle_beyond)
+SKF_INLINE skf_vvalue compact_careful(bool soft, const compact_row *c, skf_v3d x) {
+  skf_vvalue v = flat_careful(soft, &c->flat, x);
+#ifndef SKF_VEC_FLOAT
+  const skf_vd by = c->area.T.strength;
+  if (!vi_all(v.good)) vv_take(&v, vv_scale(by, disc_triangle(soft, &c->area, x)));
+  if (!vi_all(v.good)) vv_take(&v, vv_scale(by, disc_triangle_beyond(soft, &c->area, x)));
+#endif
+  return v;
+}
+
+#define SKF_COMPACT_TRIANGLE(name, soft)                                                                               \
+  typedef flat_state name##_state;                                                                                     \
+  SKF_OUTLINE skf_vvalue name##_careful(const compact_row *c, skf_v3d x) { return compact_careful(soft, c, x); }       \
+  SKF_INLINE void name##_begin(const compact_row *c, skf_v3d x, flat_state *s) { flat_begin(&c->flat, x, s); }         \
+  SKF_INLINE void name##_middle(const compact_row *c, flat_state *s) { flat_middle(&c->flat, s); }                     \
+  SKF_INLINE skf_vvalue name##_end(const compact_row *c, const flat_state *s) { return flat_end(soft, &c->flat, s); }  \
+  SKF_BATCH_SCALED(name, compact, name##_careful, name##_middle, skf_stage_none, skf_stage_none)
+
+SKF_COMPACT_TRIANGLE(quartic_triangle, false)
+SKF_COMPACT_TRIANGLE(soft_object_triangle, true)
 
 #endif
