@@ -34,7 +34,8 @@ static double *flat_pack(const skf_prepared *e, double *k) {
   k = pack1(k, -v3_dot(way[0], v3_scale(per, T->n)));
   const double diam = per * T->diam, span = fmax(diam, 1);
   const bool narrow = SKF_COUNT(span > 16, 0); /* doubles owe the gradient next to the plane more digits */
-  k = pack1(pack1(pack1(k, 0.5 * per * per * T->area), span), narrow ? INFINITY : fmax(1, span / (16 * diam)));
+  k = pack1(pack1(pack1(k, 0.5 * per * per * T->area), span),
+            narrow ? INFINITY : fmax(1, fmax(span / (16 * diam), span / 8)));
   return pack1(k, e->strength * R * R);
 }
 
@@ -160,7 +161,8 @@ SKF_INLINE flat_angles flat_turn(const flat_row *c, const flat_view *f) {
 SKF_INLINE skf_vi flat_good(const flat_row *c, const flat_value *v, skf_vd abs_F, skf_vd abs_J, skf_vd abs_n) {
   const skf_vd F = vd_abs(v->F), size = vd_max(vd_max(vd_abs(v->t), vd_abs(v->m)), vd_abs(v->n));
   const skf_vd abs_g = c->span * (abs_J + abs_n);
-  return (F > vd_set(SKF_PICK(1e-34, 0))) & (c->loss * abs_F <= vd_set(64) * F) &
+  return (F > vd_set(SKF_PICK(1e-34, 0))) &
+         (c->loss * abs_F <= vd_fma(vd_set(SKF_PICK(0, 0.4)) * c->span, size, vd_set(64) * F)) &
          (abs_J * c->span <= vd_fma(vd_set(1.5) * c->span, size, vd_set(256) * F)) &
          (c->loss * abs_g <= vd_set(128) * vd_max(size * c->span, vd_set(1e-3) * F));
 }
