@@ -17,12 +17,18 @@ typedef struct flat_row {
   skf_vd c[3], s[3], d[3], l[3], L[3], first[2], side[2], base[2], height, half_area, span, loss, strength;
 } flat_row;
 
+/* As vectors have it. (GCC 12 forgets a rounding to floats and back that it does for two numbers at once.) */
+static double flat_round(double a) {
+  const volatile skf_real rounded = (skf_real)a;
+  return (double)rounded;
+}
+
 static double *flat_pack(const skf_prepared *e, double *k) {
   const skf_triangle_plan *T = &e->plan.triangle;
   const double R = e->kernel.param, per = 1 / R;
   const skf_vec3 t = v3_scale(per, T->t[T->longest]), n1 = v3_scale(per, T->m[T->longest]);
   const skf_vec3 middle = v3_scale(1. / 3, v3_add(v3_add(T->v[0], T->v[1]), T->v[2]));
-  const skf_vec3 at = v3((skf_real)middle.x, (skf_real)middle.y, (skf_real)middle.z);
+  const skf_vec3 at = v3(flat_round(middle.x), flat_round(middle.y), flat_round(middle.z));
   k = pack3(pack3(pack3(pack3(k, at), t), n1), v3_scale(per, T->n));
   for (int i = 0; i < 3; i++) k = pack1(k, T->c[i]);
   for (int i = 0; i < 3; i++) k = pack1(k, T->s[i]);

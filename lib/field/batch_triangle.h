@@ -15,6 +15,9 @@ enum { FAR_NODES = SKF_COUNT(7, 4), MIDDLE_NODES = SKF_COUNT(13, 7) };
 typedef struct triangle_row {
   skf_v3d v[3], m[3], side, base, n, t, n1;
   skf_vd L[3], c[3], s[3], twice, half_area, far, limit, strength;
+#ifdef SKF_VEC_FLOAT
+  skf_vd longest, width; /* the longest edge's number, the height over it */
+#endif
 } triangle_row;
 
 static double *triangle_pack(const skf_prepared *e, double *k) {
@@ -27,7 +30,11 @@ static double *triangle_pack(const skf_prepared *e, double *k) {
   for (int i = 0; i < 3; i++) k = pack1(k, T->c[i]);
   for (int i = 0; i < 3; i++) k = pack1(k, T->s[i]);
   k = pack1(pack1(pack1(k, T->twice), 0.5 * T->area), FAR_DIAMETERS * T->diam);
-  return pack1(pack1(k, 64 * T->area / (T->L[0] + T->L[1] + T->L[2])), e->strength);
+  k = pack1(pack1(k, SKF_COUNT(128, 192) * T->area / (T->L[0] + T->L[1] + T->L[2])), e->strength);
+#ifdef SKF_VEC_FLOAT
+  k = pack1(pack1(k, T->longest), T->twice / T->L[T->longest]);
+#endif
+  return k;
 }
 
 SKF_INLINE skf_vvalue far_triangle(const triangle_row *T, skf_v3d to_first) {
@@ -43,6 +50,53 @@ SKF_INLINE skf_vvalue far_triangle(const triangle_row *T, skf_v3d to_first) {
     }
   return v;
 }
+
+#ifdef SKF_VEC_FLOAT
+/* int t / r dt along a segment from p to q, of a direction u and a length, t from p; its gradient added to g */
+SKF_INLINE skf_vd rising_segment(skf_v3d p, skf_v3d q, skf_v3d u, skf_vd length, skf_vd by, skf_v3d *g) {
+  const skf_vd r1 = vd_sqrt(vd3_dot(p, p)), r2 = vd_sqrt(vd3_dot(q, q)), rr = r1 * r2, dot = vd3_dot(p, q),
+               sum = r1 + r2;
+  const skf_v3d n = vd3_cross(p, q);
+  const skf_vd near = vd_select(dot < vd_set(0), vd3_dot(n, n) / (rr - dot), rr + dot), far = sum + length;
+  const skf_vd J = vd_log_ratio(far * far, near + near, (length + length) * far), t0 = -vd3_dot(p, u);
+  const skf_vd rise = length * vd3_dot(u, vd3_add(p, q)) / sum; /* r2 - r1 */
+  const skf_vd per = by / rr, across = per * vd_fma(t0, length * sum / near, rise);
+  const skf_vd along = vd_fnma(length, per * r1, by * J);
+  *g = vd3_mad(vd3_mad(*g, across, p), vd_fma(across, t0, along), u);
+  return vd_fma(t0, J, rise);
+}
+
+/* Slivers, whose edges' sums cancel all around: lines from the longest edge's ends to the height over it, of linear
+   weight, by a Gauss rule across. Twice the width from that edge 4 nodes are exact to 1e-6. */
+SKF_INLINE skf_vvalue sliver_triangle(const triangle_row *T, const skf_v3d a[3]) {
+  enum { NODES = 4 };
+  const skf_gauss_node *node = skf_gauss_rule(NODES);
+  const skf_vd zero = vd_set(0), one = vd_set(1), two = vd_set(2), half = vd_set(0.5);
+  const skf_vi second = T->longest == one, third = T->longest == two;
+#define PICKED(of, i) vd3_select(third, (of)[((i) + 2) % 3], vd3_select(second, (of)[((i) + 1) % 3], (of)[i]))
+  const skf_v3d from = PICKED(a, 0), to = PICKED(a, 1), top = PICKED(T->v, 2);
+  const skf_v3d left = vd3_sub(top, PICKED(T->v, 0)), right = vd3_sub(top, PICKED(T->v, 1));
+#undef PICKED
+  const skf_vd L1 = vd3_dot(left, T->t), L2 = -vd3_dot(right, T->t), l1 = vd3_dot(from, T->t);
+  const skf_vd past = vd_max(vd_max(l1, -vd3_dot(to, T->t)), zero), out = T->width + T->width;
+  const skf_v3d off = vd3_less(from, l1, T->t), up1 = vd3_less(left, L1, T->t), up2 = vd3_mad(right, L2, T->t);
+  const skf_vi good = vd_fma(past, past, vd3_dot(off, off)) > out * out;
+  skf_vvalue v = {zero, {zero, zero, zero}, good};
+  if (!vi_any(good)) return v;
+  for (int i = 0; i < NODES; i++) {
+    const skf_vd s = vd_set(0.5 * (1 + node[i].x)), weight = vd_set(node[i].w) * half * T->width, rise = s * T->width;
+    const skf_v3d side1 = vd3_mad(vd3_scale(s, up1), L1, T->t), side2 = vd3_less(vd3_scale(s, up2), L2, T->t);
+    const skf_vd w2 = rise * rise, square1 = vd_fma(L1, L1, w2), square2 = vd_fma(L2, L2, w2);
+    const skf_vd length1 = vd_sqrt(square1), length2 = vd_sqrt(square2);
+    const skf_v3d u1 = vd3_scale(one / length1, side1);
+    const skf_v3d u2 = vd3_scale(one / length2, side2);
+    const skf_vd by1 = weight * L1 / square1, by2 = weight * L2 / square2;
+    v.F = vd_fma(by1, rising_segment(from, vd3_add(from, side1), u1, length1, by1, &v.g), v.F);
+    v.F = vd_fma(by2, rising_segment(to, vd3_add(to, side2), u2, length2, by2, &v.g), v.F);
+  }
+  return v;
+}
+#endif
 
 /* As triangle_inverse.c; the solid angle from its tangent [van Oosterom and Strackee 1983]. Next to an edge r0 r1 + d0
    d1 = |d0 x d1|^2 / (r0 r1 - d0 d1). Where an edge is so near that the rounded d count or this tangent cancels, and
@@ -75,11 +129,14 @@ SKF_INLINE skf_vvalue near_triangle(const triangle_row *T, const skf_v3d a[3], c
   good &= (vd_set(256) * vd_max(num, vd_abs(den)) > cube) & (abs_F < vd_set(64) * F);
   good &= (den > zero) | (vd_set(0x1p40) * az > r[0]); /* on the face the sign of z decides */
   good &= abs_g + solid < vd_set(128) * size;
+#ifdef SKF_VEC_FLOAT /* the edges' lines are known to an ulp of their distance */
+  good &= abs_g * vd_max(r[0], vd_max(r[1], r[2])) < vd_set(256) * F;
+#endif
   skf_v3d g = vd3_mad(vd3_scale(gt, T->t), gm, T->n1);
   return (skf_vvalue){F, vd3_mad(g, Z, T->n), good};
 }
 
-/* The same without the care: not near an edge, and not where the edges' sums lose more than 64, which the distances
+/* The same without the care: not near an edge, and not where the edges' sums lose more than 128, which the distances
    tell: far away, or anywhere for slivers. */
 typedef struct inverse_triangle_state {
 #ifndef SKF_VEC_FLOAT
@@ -170,13 +227,19 @@ SKF_INLINE skf_vvalue inverse_triangle_any(const triangle_row *T, skf_v3d x) {
   skf_vd r[3];
   for (int i = 0; i < 3; i++) a[i] = vd3_sub(T->v[i], x), r[i] = vd_sqrt(vd3_dot(a[i], a[i]));
   skf_vi far = vd_min(r[0], vd_min(r[1], r[2])) > T->far;
-  int lanes = vi_bits(far);
-  if (lanes == 0) return vv_scale(T->strength, near_triangle(T, a, r));
-  skf_vvalue v = far_triangle(T, a[0]);
-  v.good = vd_sane(r[0]);
-  if (lanes == (1 << SKF_LANES) - 1) return vv_scale(T->strength, v);
-  skf_vvalue u = near_triangle(T, a, r);
-  v = (skf_vvalue){vd_select(far, v.F, u.F), vd3_select(far, v.g, u.g), (far & v.good) | (~far & u.good)};
+  skf_vvalue v = {.good = vi_set(0)};
+  if (vi_any(far)) v = far_triangle(T, a[0]), v.good = far & vd_sane(r[0]);
+  if (!vi_all(far)) {
+    const skf_vvalue u = near_triangle(T, a, r);
+    v = (skf_vvalue){vd_select(far, v.F, u.F), vd3_select(far, v.g, u.g), v.good | (~far & u.good)};
+  }
+#ifdef SKF_VEC_FLOAT
+  if (!vi_all(v.good | far)) {
+    const skf_vvalue u = sliver_triangle(T, a);
+    const skf_vi some = ~(v.good | far) & u.good & vd_sane(r[0]) & vd_sane(r[1]) & vd_sane(r[2]);
+    v = (skf_vvalue){vd_select(some, u.F, v.F), vd3_select(some, u.g, v.g), v.good | some};
+  }
+#endif
   return vv_scale(T->strength, v);
 }
 
