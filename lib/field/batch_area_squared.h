@@ -81,7 +81,7 @@ SKF_INLINE skf_vvalue squared_closed(const area_row *c, const area_view *f) {
   const skf_vd per_z = (skf_vd)((skf_vi)(one / vd_select(f->z == zero, one, f->z)) & (f->z != zero));
   skf_vi good = (vd_set(SKF_PICK(0x1p60, 0x1p16)) * f->dist2 > diam2) & vd_sane(f->dist2) & vd_sane(diam2);
   for (int i = 0; i < 3; i++) {
-    skf_vd d = vd_max(vd_abs(f->d[i]), vd_set(SKF_PICK(1e-30, 1e-6)) * c->diam), cc = vd_fma(d, d, f->zz);
+    skf_vd d = vd_max(vd_abs(f->d[i]), vd_set(SKF_PICK(1e-30, 1e-9)) * c->diam), cc = vd_fma(d, d, f->zz);
     skf_vd h = vd_sqrt(cc), g = h + d, gg = g * g, zz = vd_max(f->zz, least * gg);
     skf_vd w = vd_log_ratio(gg, zz, gg - zz), large = vd_max(gg, base2), small = vd_min(gg, base2);
     skf_vd base = vd_set(0.5) * vd_log_ratio(large, small, large - small), zz_g = f->zz / g;
