@@ -99,24 +99,40 @@ SKF_INLINE skf_vvalue squared_edges(const area_row *c, const area_view *f, skf_v
   return area_gather(c, f, &sum, good);
 }
 
-SKF_OUTLINE skf_vvalue inverse_squared_triangle(const area_row *c, skf_v3d x) {
-  area_view f = area_see(c, x);
-  skf_vi far = f.dist2 > c->T.far * c->T.far;
+SKF_INLINE skf_vvalue squared_plain(const area_row *c, const area_view *f, skf_vi far) {
   skf_vvalue v = {.good = vi_set(0)};
-  if (vi_any(far)) v = area_rule(AREA_SQUARED, c, &f, FAR_NODES, vd_sane(f.dist2));
-  if (vi_all(far)) return v;
-  v = area_either(far, v, squared_closed(c, &f));
-  const skf_vi left = ~(far | v.good);
-  return vi_any(left) ? area_either(left, squared_edges(c, &f, left), v) : v;
+  if (vi_any(far)) v = area_rule(AREA_SQUARED, c, f, FAR_NODES, vd_sane(f->dist2));
+  return vi_all(far) ? v : area_either(far, v, squared_closed(c, f));
 }
 
-SKF_OUTLINE skf_vvalue inverse_squared_triangle_middle(const area_row *c, skf_v3d x) {
+SKF_OUTLINE skf_vvalue inverse_squared_triangle_careful(const area_row *c, skf_v3d x) {
   area_view f = area_see(c, x);
-  skf_vi middle = f.dist2 > vd_set(2.25) * c->diam * c->diam;
-  if (!vi_any(middle)) return (skf_vvalue){.good = vi_set(0)};
-  return area_rule(AREA_SQUARED, c, &f, MIDDLE_NODES, middle & vd_sane(f.dist2));
+  const skf_vi far = f.dist2 > c->T.far * c->T.far, middle = ~far & (f.dist2 > vd_set(2.25) * c->diam * c->diam);
+  skf_vvalue v = squared_plain(c, &f, far);
+  if (!vi_all(far | v.good)) vv_take(&v, squared_edges(c, &f, ~(far | v.good)));
+  if (!vi_any(middle & ~v.good)) return v;
+  vv_take(&v, area_rule(AREA_SQUARED, c, &f, MIDDLE_NODES, middle & vd_sane(f.dist2)));
+  return v;
 }
 
-SKF_BATCH_FORM(inverse_squared_triangle, area, inverse_squared_triangle_middle)
+/* One stage: what for the loop gathers the points that need care. */
+typedef struct inverse_squared_triangle_state {
+  skf_vvalue v;
+} inverse_squared_triangle_state;
+
+SKF_OUTLINE skf_vvalue inverse_squared_triangle_plain(const area_row *c, skf_v3d x) {
+  area_view f = area_see(c, x);
+  return squared_plain(c, &f, f.dist2 > c->T.far * c->T.far);
+}
+SKF_INLINE void inverse_squared_triangle_begin(const area_row *c, skf_v3d x, inverse_squared_triangle_state *s) {
+  s->v = inverse_squared_triangle_plain(c, x);
+}
+SKF_INLINE skf_vvalue inverse_squared_triangle_end(const area_row *c, const inverse_squared_triangle_state *s) {
+  (void)c;
+  return s->v;
+}
+
+SKF_BATCH_STAGED(inverse_squared_triangle, area, inverse_squared_triangle_careful, skf_stage_none, skf_stage_none,
+                 skf_stage_none)
 
 #endif

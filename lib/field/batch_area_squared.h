@@ -79,7 +79,7 @@ SKF_INLINE skf_vvalue squared_closed(const area_row *c, const area_view *f) {
   const skf_vi above = f->inside | (f->zz >= f->lat2);
   const skf_vd base2 = vd_select(above, f->zz, f->dist2), diam2 = c->diam * c->diam;
   const skf_vd per_z = (skf_vd)((skf_vi)(one / vd_select(f->z == zero, one, f->z)) & (f->z != zero));
-  skf_vi good = (vd_set(SKF_PICK(0x1p60, 0x1p16)) * f->dist2 > diam2) & vd_sane(f->dist2) & vd_sane(diam2);
+  skf_vi good = (vd_set(SKF_PICK(0x1p60, 0x1p32)) * f->dist2 > diam2) & vd_sane(f->dist2) & vd_sane(diam2);
   for (int i = 0; i < 3; i++) {
     skf_vd d = vd_max(vd_abs(f->d[i]), vd_set(SKF_PICK(1e-30, 1e-9)) * c->diam), cc = vd_fma(d, d, f->zz);
     skf_vd h = vd_sqrt(cc), g = h + d, gg = g * g, zz = vd_max(f->zz, least * gg);
@@ -95,7 +95,7 @@ SKF_INLINE skf_vvalue squared_closed(const area_row *c, const area_view *f) {
     sum.F += (skf_vd)((skf_vi)(e.F[1] - e.F[0]) ^ vd_sign(f->d[i])), sum.abs_F += e.size[0] + e.size[1];
     sum.Z += (skf_vd)((skf_vi)Z ^ vd_sign(f->d[i]));
     sum.abs_Z += vd_abs(Z) + (skf_vd)((skf_vi)(vd_abs(per_z) * (vd_abs(e.gap[0]) + vd_abs(e.gap[1]))) & ~above);
-    good &= vd_set(1 << 16) * cc > diam2;
+    good &= vd_set(SKF_PICK(0x1p16, 0x1p32)) * cc > diam2;
   }
   return area_gather(c, f, &sum, good);
 }

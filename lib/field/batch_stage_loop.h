@@ -53,6 +53,7 @@ static inline void vv_scatter(loop_factor by, const skf_vvalue *v, skf_real *con
     for (size_t k = 0; k < count; k += SKF_LANES) {                                                                    \
       const skf_v3d x = points_gather(p, at + k, count - k);                                                           \
       skf_vvalue v = name##_again(&row, x);                                                                            \
+      for (size_t lane = count - k; lane < SKF_LANES; lane++) v.good[lane] = -1; /* nobody's */                        \
       lanes_closed(tile->element + j, 0, name##_inner, &x, &v);                                                        \
       vv_scatter(by, &v, out, at + k, count - k, more);                                                                \
     }                                                                                                                  \
