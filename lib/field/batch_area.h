@@ -73,9 +73,10 @@ typedef struct area_sum {
 
 /* grad F = -sum m_i J_i + n Z; not good where a sum cancels: F by 64, the gradient by 128, or by less where its terms
    have lost `loss` x 16 ulps, or because the edges' lines are known to an ulp of their distance only; nor where the
-   lines' own errors count, next to an edge in a narrow kernel. */
+   lines' own errors count, next to an edge in a narrow kernel, unless as much as `moved` ulps of the size, by which the
+   point may be off, change F. */
 SKF_INLINE skf_vvalue area_gather_lossy(const area_row *c, const area_view *f, const area_sum *s, skf_vd loss,
-                                        skf_vi good) {
+                                        double moved, skf_vi good) {
   const triangle_row *T = &c->T;
   skf_vd gt = vd_set(0), gm = gt, abs_J = gt;
   for (int i = 0; i < 3; i++) {
@@ -86,13 +87,15 @@ SKF_INLINE skf_vvalue area_gather_lossy(const area_row *c, const area_view *f, c
   skf_vd abs_g = s->abs_Z + abs_J;
   skf_vd size = vd_max(vd_max(vd_abs(gt), vd_abs(gm)), vd_abs(s->Z)), S = vd_max(c->diam, vd_sqrt(f->dist2));
   loss = vd_max(loss, vd_set(1. / 16) * S / c->diam);
-  good &= (loss * s->abs_F <= vd_set(64) * vd_abs(s->F)) & (abs_J * S <= vd_set(512) * vd_abs(s->F));
-  good &= loss * abs_g * S <= vd_set(128) * vd_max(size * S, vd_set(1e-3) * s->F);
+  const skf_vd F = vd_abs(s->F), slope = size * S;
+  good &= loss * s->abs_F <= vd_fma(vd_set(0.25 * moved), slope, vd_set(64) * F);
+  good &= abs_J * S <= vd_fma(vd_set(moved), slope, vd_set(512) * F);
+  good &= loss * abs_g * S <= vd_set(128) * vd_max(slope, vd_set(1e-3) * s->F);
   return (skf_vvalue){s->F, vd3_mad(vd3_mad(vd3_scale(gt, T->t), gm, T->n1), s->Z, T->n), good};
 }
 
 SKF_INLINE skf_vvalue area_gather(const area_row *c, const area_view *f, const area_sum *s, skf_vi good) {
-  return area_gather_lossy(c, f, s, vd_set(1), good);
+  return area_gather_lossy(c, f, s, vd_set(1), 0, good);
 }
 
 /* h and its slope h' / r at squared distance w */

@@ -120,7 +120,7 @@ SKF_INLINE skf_vvalue disc_edges(bool soft, bool beyond, const area_row *c, cons
       F = vd_fma(d * half, H, disc->G0 * e.out), Z = -f->z * vd_fma(d * half * per_R2, D, disc->h0 * e.out);
     sum.F += F, sum.abs_F += vd_abs(F), sum.Z += Z, sum.abs_Z += vd_abs(Z);
   }
-  return area_gather_lossy(c, f, &sum, rim_loss(c->param2, f), good);
+  return area_gather_lossy(c, f, &sum, rim_loss(c->param2, f), 0, good);
 }
 
 /* Not at the rim, where the plain differences of squares cancel. */

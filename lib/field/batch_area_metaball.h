@@ -82,21 +82,15 @@ SKF_INLINE cone_part cone_panels(const cone_view *v, const area_view *f, skf_vd 
   return (cone_part){sign * sum.F, -sign * sum.W, sum.J};
 }
 
-/* Adds `by` times what the edges give in `some`; not good where that has cancelled. */
-SKF_INLINE void cone_add(const area_row *c, const area_view *f, const cone_view *v, skf_vi some, skf_vi thin, double by,
+/* Adds `by` times what the edges give in `some`, by panels or in closed form; not good where that has cancelled. */
+SKF_INLINE void cone_add(const area_row *c, const area_view *f, const cone_view *v, skf_vi some, bool panels, double by,
                          area_sum *sum, skf_vi *good) {
   const skf_vd factor = (skf_vd)((skf_vi)vd_set(by) & some);
   for (int i = 0; i < 3; i++) {
     cut_view e = area_cut(c, f, i, v->power, v->rm, v->R);
     skf_vi fine = vi_set(-1);
-    cone_part p = cone_closed(v, f, f->d[i], &e, &fine);
-    skf_vd out = e.out;
-    if (vi_any(thin)) {
-      cone_part q = cone_panels(v, f, f->d[i], &e, thin);
-      p.F = vd_select(thin, q.F, p.F), p.W = vd_select(thin, q.W, p.W), p.J = vd_select(thin, q.J, p.J);
-      out = (skf_vd)((skf_vi)out & ~(thin & v->beyond));
-      fine |= thin;
-    }
+    cone_part p = panels ? cone_panels(v, f, f->d[i], &e, some) : cone_closed(v, f, f->d[i], &e, &fine);
+    skf_vd out = panels ? (skf_vd)((skf_vi)e.out & ~v->beyond) : e.out;
     *good &= fine & ~e.rough;
     skf_vd F = factor * vd_fma(v->G0, out, p.F), Z = factor * (f->z * vd_fnma(v->b * v->b, out, p.W));
     sum->J[i] = vd_fma(factor, p.J, sum->J[i]);
@@ -104,24 +98,25 @@ SKF_INLINE void cone_add(const area_row *c, const area_view *f, const cone_view 
   }
 }
 
-/* Together: at the rim of R / 3 its cone, small then, may cancel; where that of R does, it is not reached. */
+/* Together: at the rim of R / 3 its cone, small then, may cancel; where that of R does, it is not reached. By panels
+   those lanes alone. */
 SKF_INLINE skf_vvalue metaball_edges(const area_row *c, const area_view *f, skf_vi cones, bool panels) {
   const cone_view outer = cone_see(c, f, 1);
   skf_vd zero = vd_set(0), R2 = outer.R2;
   area_sum sum = {zero, zero, {zero, zero, zero}, zero, zero};
-  skf_vi clear = f->dist2 < R2 * vd_set(1 - 1e-3), inside = cones & (vd_set(9) * f->dist2 < R2);
-  for (int i = 0; i < 3; i++) clear &= vd_set(1024) * vd_abs(outer.power[i]) > R2;
+  skf_vi clear = f->dist2 < R2 * vd_set(1 - SKF_PICK(1e-3, 1e-5)), inside = cones & (vd_set(9) * f->dist2 < R2);
+  for (int i = 0; i < 3; i++) clear &= vd_set(SKF_PICK(1024, 1e6)) * vd_abs(outer.power[i]) > R2;
   skf_vi cancels = outer.rim | ((int)SKF_PICK(0, 1) ? outer.beyond : vi_set(0));
-  skf_vi thin = panels ? (outer.rim | outer.beyond) & clear & cones : vi_set(0);
-  skf_vi good = panels ? clear : clear & ~cancels;
-  cone_add(c, f, &outer, cones, thin, 1.5, &sum, &good);
-  if (vi_any(inside)) {
+  skf_vi good = clear & cones & (panels ? outer.rim | outer.beyond : ~cancels);
+  cone_add(c, f, &outer, panels ? good : cones, panels, 1.5, &sum, &good);
+  if (!panels && vi_any(inside)) {
     const cone_view inner = cone_see(c, f, 1. / 3);
     skf_vi fine = vi_set(-1);
-    cone_add(c, f, &inner, inside, vi_set(0), -0.5, &sum, &fine);
+    cone_add(c, f, &inner, inside, false, -0.5, &sum, &fine);
     good &= fine | ~inside;
   }
-  return area_gather_lossy(c, f, &sum, rim_loss(R2, f), good);
+  const skf_vd loss = (int)SKF_PICK(0, 1) ? vd_set(1) : rim_loss(R2, f);
+  return area_gather_lossy(c, f, &sum, loss, (double)SKF_PICK(0, 1.5), good);
 }
 
 SKF_INLINE skf_vvalue metaball_cones(const area_row *c, skf_v3d x, bool panels) {
