@@ -41,7 +41,7 @@ static double *flat_pack(const skf_prepared *e, double *k) {
   const double diam = per * T->diam, span = fmax(diam, 1);
   const bool narrow = SKF_COUNT(span > 16, 0); /* doubles owe the gradient next to the plane more digits */
   k = pack1(pack1(pack1(k, 0.5 * per * per * T->area), span),
-            narrow ? INFINITY : fmax(1, fmax(span / (16 * diam), span / 8)));
+            narrow ? INFINITY : fmax(1, fmax(span / (16 * diam), fmin(span / 8, 32))));
   return pack1(k, e->strength * R * R);
 }
 
@@ -69,7 +69,7 @@ SKF_INLINE flat_view flat_see(const flat_row *c, skf_v3d x) {
     power[i] = vd_fnma(f.l1[i], f.l1[i], f.chord2[i]);
   }
   const skf_vd least = vd_min(power[0], vd_min(power[1], power[2]));
-  f.within = least > zero, f.sane = least > vd_set(SKF_PICK(-1e70, -1e9));
+  f.within = least > zero, f.sane = least > vd_set(SKF_PICK(-1e290, -1e30));
   for (int i = 0; i < 3; i++) f.chord[i] = vd_sqrt(vd_max(f.chord2[i], zero));
   return f;
 }
@@ -194,8 +194,8 @@ SKF_INLINE skf_vvalue flat_edges(bool soft, const flat_row *c, const flat_view *
   }
   /* Out of the support; then the angles add up to 0. */
   const skf_vi off = (Y == zero) | ((length == zero) & ~flat_inside(f));
-  v.F = (skf_vd)((skf_vi)vd_fma(G0, angle, v.F) & ~off),
-  v.n = (skf_vd)((skf_vi)(-f->z * vd_fma(h0, angle, v.n)) & ~off);
+  v.F = (skf_vd)((skf_vi)vd_fma(G0, angle, v.F) & ~off), v.t = (skf_vd)((skf_vi)v.t & ~off);
+  v.m = (skf_vd)((skf_vi)v.m & ~off), v.n = (skf_vd)((skf_vi)(-f->z * vd_fma(h0, angle, v.n)) & ~off);
   return flat_put(c, &v, f->sane & (off | flat_good(c, &v, abs_F, abs_J, abs_n * vd_abs(f->z))));
 }
 

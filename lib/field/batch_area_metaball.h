@@ -134,6 +134,7 @@ SKF_INLINE skf_vvalue metaball_edges(const area_row *c, const area_view *f, skf_
     cone_add(c, f, &inner, inside, false, -0.5, &sum, &fine);
     good &= fine | ~inside;
   }
+  good &= sum.F > zero;
   const skf_vd loss = (int)SKF_PICK(0, 1) ? vd_set(1) : rim_loss(R2, f);
   return area_gather_lossy(c, f, &sum, loss, (double)SKF_PICK(0, 1.5), good);
 }
@@ -142,7 +143,7 @@ SKF_INLINE skf_vvalue metaball_cones(const area_row *c, skf_v3d x, bool panels) 
   area_view f = area_see(c, x);
   skf_vd zero = vd_set(0), R2 = c->param2, reach2 = vd_max(vd_max(f.r2[0], f.r2[1]), f.r2[2]);
   skf_vi finite = reach2 < vd_set(INFINITY), core = vd_set(9) * reach2 < R2;
-  skf_vi off = (f.dist2 > R2 * vd_set(1 + SKF_PICK(1e-3, 1e-2))) & finite, cones = finite & ~core & ~off;
+  skf_vi off = (f.dist2 > R2 * vd_set(1 + SKF_PICK(1e-3, 1e-5))) & finite, cones = finite & ~core & ~off;
   skf_vvalue v = {zero, {zero, zero, zero}, off};
   if (vi_any(core)) v = area_either(core, area_rule(AREA_CORE, c, &f, 2, core), v);
   if (!vi_any(cones)) return v;

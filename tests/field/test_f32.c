@@ -52,9 +52,8 @@ static double excess(const skf_field *f, skf_vec3 x, double moved, double units,
 }
 
 /* The worst of an element at scattered points, in allowed errors */
-static double element_excess(uint64_t *seed, const skf_element *e, double units) {
+static double scattered_excess(const skf_element *e, double units) {
   double worst = 0;
-  scatter(seed, &e->primitive);
   skf_field *f = make(e, 1);
   eval(f, v3(0, 0, 0), 1);
   for (int i = 0; i < POINTS; i++) {
@@ -65,6 +64,10 @@ static double element_excess(uint64_t *seed, const skf_element *e, double units)
   }
   skf_field_free(f);
   return worst;
+}
+static double element_excess(uint64_t *seed, const skf_element *e, double units) {
+  scatter(seed, &e->primitive);
+  return scattered_excess(e, units);
 }
 
 static void test_pairs(void **state) {
@@ -120,6 +123,44 @@ static void test_far_arcs(void **state) {
         fail_msg("sweep %g, s = %g, from %g: %.2f", e.primitive.arc.sweep, e.kernel.param, v3_norm(local(i)), worst);
     }
     skf_field_free(f);
+  }
+}
+
+/* Places above the lines of a triangle's edges, at its support's rim, near it; half of the triangles are slivers. */
+static void scatter_triangle(uint64_t *seed, const skf_element *e) {
+  const skf_vec3 *v = e->primitive.triangle.vertices;
+  const skf_vec3 n = v3_unit(v3_cross(v3_sub(v[1], v[0]), v3_sub(v[2], v[0])));
+  for (int i = 0; i < POINTS; i++) {
+    const skf_vec3 a = v[i % 3], on = v3_mad(a, rnd(seed, -0.5, 1.5), v3_sub(v[(i + 1) % 3], a));
+    const double near = e->kernel.param * (1 - pow(10, rnd(seed, -7, -0.3)));
+    skf_vec3 x = v3_mad(on, rnd(seed, -1, 1), n);
+    if (i / 3 % 3 == 1) x = v3_mad(i % 2 ? a : on, near, rnd_unit(seed));
+    if (i / 3 % 3 == 2) x = v3_mad(on, pow(10, rnd(seed, -5, 1)), rnd_unit(seed));
+    for (int k = 0; k < 3; k++) p[k][i] = (float)v3_get(x, k);
+  }
+}
+
+static void test_triangles(void **state) {
+  (void)state;
+  static const skf_kernel_type kernels[] = {SKF_INVERSE, SKF_INVERSE_SQUARED, SKF_METABALL, SKF_SOFT_OBJECT,
+                                            SKF_QUARTIC};
+  uint64_t seed = 35;
+  for (int k = 0; k < 5; k++) {
+    double most = 0;
+    for (int n = 0; n < 24; n++) {
+      skf_element e = {.kernel = {kernels[k], pow(10, rnd(&seed, -1, 1)), NULL}, .strength = 1};
+      rnd_primitive(&seed, SKF_TRIANGLE, 1, &e.primitive);
+      skf_vec3 *v = e.primitive.triangle.vertices;
+      if (n % 2)
+        v[2] = v3_mad(v3_mad(v[0], rnd(&seed, -0.1, 1.1), v3_sub(v[1], v[0])), pow(10, rnd(&seed, -3, -0.5)), v[2]);
+      for (int i = 0; i < 3; i++)
+        v[i] = v3(rint(v[i].x * 0x1p20) * 0x1p-20, rint(v[i].y * 0x1p20) * 0x1p-20, rint(v[i].z * 0x1p20) * 0x1p-20);
+      scatter_triangle(&seed, &e);
+      const double worst = scattered_excess(&e, 512);
+      most = fmax(most, worst);
+    }
+    print_message("%-16s triangles %.2f of the allowed error\n", skf_kernel_get(kernels[k])->name, most);
+    assert_true(most <= 1);
   }
 }
 
@@ -235,7 +276,8 @@ static void test_overflow(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_pairs),    cmocka_unit_test(test_wide),
-                                     cmocka_unit_test(test_far_arcs), cmocka_unit_test(test_frame),
-                                     cmocka_unit_test(test_sum),      cmocka_unit_test(test_overflow)};
+                                     cmocka_unit_test(test_far_arcs), cmocka_unit_test(test_triangles),
+                                     cmocka_unit_test(test_frame),    cmocka_unit_test(test_sum),
+                                     cmocka_unit_test(test_overflow)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
