@@ -10,8 +10,8 @@
 
 /* t, n1: along and across the longest edge, n: the normal, all over R; by edge, its direction along and across; its
    line's distance from `at`, its ends' abscissae from there; the first vertex, the sides from there and on, along and
-   across; the height of `at`, which is rounded; max(diameter, R) / R, what sums over edges lose by the size of their
-   lines' coordinates; strength R^2 */
+   across; the height of `at`, which is rounded; max(diameter, R) / R, and by how much more than rounding the sums'
+   terms are off for the size of the lines' coordinates; strength R^2 */
 typedef struct flat_row {
   skf_v3d at, t, n1, n;
   skf_vd c[3], s[3], d[3], l[3], L[3], first[2], side[2], base[2], height, half_area, span, loss, strength;
@@ -163,11 +163,12 @@ SKF_INLINE flat_angles flat_turn(const flat_row *c, const flat_view *f) {
   return a;
 }
 
-/* Not good where a sum cancels, as area_gather_lossy. */
+/* Not good where a sum cancels, as area_gather_lossy, or, in doubles, at the rim, where an ulp of a place is many of F.
+   Floats grant what the field changes when a place moves by some ulps. */
 SKF_INLINE skf_vi flat_good(const flat_row *c, const flat_value *v, skf_vd abs_F, skf_vd abs_J, skf_vd abs_n) {
   const skf_vd F = vd_abs(v->F), size = vd_max(vd_max(vd_abs(v->t), vd_abs(v->m)), vd_abs(v->n));
   const skf_vd abs_g = c->span * (abs_J + abs_n);
-  return (F > vd_set(SKF_PICK(1e-34, 0))) &
+  return (c->span * size < vd_set(SKF_PICK(512, INFINITY)) * F) &
          (c->loss * abs_F <= vd_fma(vd_set(SKF_PICK(0, 0.4)) * c->span, size, vd_set(64) * F)) &
          (abs_J * c->span <= vd_fma(vd_set(1.5) * c->span, size, vd_set(256) * F)) &
          (c->loss * abs_g <= vd_set(128) * vd_max(size * c->span, vd_set(1e-3) * F));
