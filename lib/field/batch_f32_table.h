@@ -39,7 +39,8 @@
   SKF_F32_ENTRY(quartic_plane) SKF_F32_ENTRY(gaussian_arc_brief) SKF_F32_ENTRY(gaussian_arc_wide)                      \
   SKF_F32_ENTRY(quartic_arc) SKF_F32_ENTRY(quartic_circle) SKF_F32_ENTRY(soft_object_arc)                              \
   SKF_F32_ENTRY(soft_object_circle) SKF_F32_ENTRY(metaball_arc) SKF_F32_ENTRY(metaball_circle)                         \
-  SKF_F32_ENTRY(metaball_triangle)                                                                                     \
+  SKF_F32_ENTRY(metaball_triangle) SKF_F32_ENTRY(metaball_segment) SKF_F32_ENTRY(metaball_segment_short)               \
+  SKF_F32_ENTRY(metaball_segment_long)                                                                                 \
   .keep = batch_keep
 /* clang-format on */
 

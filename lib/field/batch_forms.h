@@ -39,8 +39,14 @@ static inline bool skf_form_segment_of(const skf_prepared *e, double least, doub
 }
 static inline bool skf_form_medium_segment(const skf_prepared *e) { return skf_form_segment_of(e, 1, 4); }
 static inline bool skf_form_long_segment(const skf_prepared *e) { return skf_form_segment_of(e, 1, 1e15); }
-/* Beside the support: else differences between the ends lose more than they need. */
-static inline bool skf_form_wide_segment(const skf_prepared *e) { return 4 * e->plan.segment.length > e->kernel.param; }
+/* Beside the support: of what is shorter, differences between the ends would lose more than they need; of what is
+   longer one end is in it at most. */
+static inline bool skf_form_short_segment(const skf_prepared *e) {
+  return 4 * e->plan.segment.length <= e->kernel.param;
+}
+static inline bool skf_form_wide_segment(const skf_prepared *e) {
+  return e->plan.segment.length <= 2 * e->kernel.param;
+}
 
 #define SKF_BATCH_FORMS(X)                                                                                             \
   X(cauchy_point, SKF_CAUCHY, SKF_POINT, skf_form_any)                                                                 \
@@ -65,8 +71,9 @@ static inline bool skf_form_wide_segment(const skf_prepared *e) { return 4 * e->
   X(inverse_squared_segment, SKF_INVERSE_SQUARED, SKF_SEGMENT, skf_form_any)                                           \
   X(quartic_segment, SKF_QUARTIC, SKF_SEGMENT, skf_form_any)                                                           \
   X(soft_object_segment, SKF_SOFT_OBJECT, SKF_SEGMENT, skf_form_any)                                                   \
+  X(metaball_segment_short, SKF_METABALL, SKF_SEGMENT, skf_form_short_segment)                                         \
   X(metaball_segment, SKF_METABALL, SKF_SEGMENT, skf_form_wide_segment)                                                \
-  X(metaball_segment_short, SKF_METABALL, SKF_SEGMENT, skf_form_any)                                                   \
+  X(metaball_segment_long, SKF_METABALL, SKF_SEGMENT, skf_form_any)                                                    \
   X(cauchy_arc, SKF_CAUCHY, SKF_ARC, skf_form_open_arc)                                                                \
   X(cauchy_circle, SKF_CAUCHY, SKF_ARC, skf_form_circle)                                                               \
   X(inverse_circle, SKF_INVERSE, SKF_ARC, skf_form_circle)                                                             \

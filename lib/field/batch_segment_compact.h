@@ -187,214 +187,213 @@ SKF_BATCH_STAGED(soft_object_segment, segment, soft_object_segment_rim, compact_
                  skf_stage_none)
 #endif
 
-/* A part of the segment in the metaball's shell: R / 3 <= r <= R from abscissa a to b; gaps to the ends of the chord.
- */
-typedef struct shell_view {
-  skf_vd a, ra, b, rb, length, gap_lo, gap_hi;
-} shell_view;
+/* Metaballs, in lengths of R: the support holds of the segment what lies from -p to q of the foot of the perpendicular
+   from x, the core, r <= 1/3, from -p3 to q3. A piece of the shell between abscissas a and b, with sum = r_a + r_b, v =
+   (b - a) / sum, y = v^2, mm = (a + b)^2, 2 atanh v = v (2 + y (2/3 + y A)), has
+     int dt / r = 2 atanh v,  int (1 / r - 1) dt = v (2 - sum + y (2/3 + y A)),
+     4 int (1 - r)^2 dt = v (sum (2 - sum)^2
+                             + y (sum mm / 3 + (sum^2 - mm) (2/3 (2 - sum) + y (2/3 - (1 - y) A)))):
+   all terms are positive, so that nothing cancels where r is next to 1, nor in short pieces. Where the core is touched
+   the logarithms of both sides are one, and the integrals, which are large, differences between the ends. */
+typedef struct metaball_row {
+  skf_v3d from, tangent, back, along; /* 1 / R, R and 3/2 of the strength times the direction */
+  skf_vd L, per_R2, F, g;             /* L / R; factors of the results */
+} metaball_row;
 
-typedef struct shell_sum {
-  skf_vd F, g;
-} shell_sum;
-
-/* Where the shell's part is all this near to R the closed form would cancel. */
-SKF_INLINE skf_vi shell_thin(const segment_row *c, const clip_view *v, const shell_view *s) {
-  skf_vi straddle = (s->a < vd_set(0)) & (s->b > vd_set(0));
-  return vd_select(straddle, v->h, vd_min(s->ra, s->rb)) > vd_set(0.8) * c->param;
+static double *metaball_pack(const skf_prepared *e, double *k) {
+  const skf_segment_plan *s = &e->plan.segment;
+  const double R = e->kernel.param;
+  k = pack3(pack3(k, e->primitive.segment.from), v3_scale(1 / R, s->a));
+  k = pack3(pack3(k, v3_scale(R, s->a)), v3_scale(1.5 * e->strength, s->a));
+  return pack1(pack1(pack1(pack1(k, s->length / R), 1 / (R * R)), 0.375 * R * e->strength), -3 / R * e->strength);
 }
 
-/* Closed, as add_shell in metaball.c. */
-SKF_INLINE void shell_closed(const segment_row *c, const clip_view *v, const shell_view *s, shell_sum *out) {
-  skf_vd per_R = c->per_param, h2 = v->h2, len = s->length, zero = vd_set(0);
-  skf_vi real = (len > zero) & ~shell_thin(c, v, s), right = s->a > zero, left = s->b < zero;
-  if (!vi_any(real)) return;
-  skf_vd A = s->ra + vd_abs(s->a), B = s->rb + vd_abs(s->b), sum = s->ra + s->rb, mid = s->a + s->b;
-  /* r_a + r_b - length = A + h^2 / B, h^2 / A + B or h^2 (1 / A + 1 / B), times the denominators */
-  skf_vd den = vd_select(right, B, vd_select(left, A, A * B));
-  skf_vd E = vd_select(right | left, vd_fma(A, B, h2), h2 * (A + B)), top = vd_set(2) * len * den;
-  E = vd_select(real, E, vd_set(1)), top = (skf_vd)((skf_vi)top & real);
-  skf_vd log = vd_log_ratio(E + top, E, top), third = vd_set(1. / 3);
-  skf_vd r1 = vd_fma(vd_set(0.25) * len, sum + mid * mid / sum, vd_set(0.5) * h2 * log);
-  skf_vd r2 = len * vd_fma(third, vd_fma(mid, mid, -(s->a * s->b)), h2);
-  skf_vd F = vd_set(1.5) * vd_fma(per_R, vd_fma(r2, per_R, vd_set(-2) * r1), len);
-  skf_vd g = vd_set(-3) * per_R * vd_fnma(len, per_R, log);
-  out->F += (skf_vd)((skf_vi)F & real), out->g += (skf_vd)((skf_vi)g & real);
+typedef struct metaball_state {
+  skf_v3d w;                     /* from the axis to x */
+  skf_vd t, u, hh, n0, n1;       /* abscissas of x from `from` and of `to` from x; squared height and distances */
+  skf_vd T0, T1, T3;             /* the distance of an end that is in the support, else half its chord; the core's */
+  skf_vd sum, mm, v, y, left, A; /* of the piece; left = 1 - y */
+  skf_vd F, g, ends;             /* without the logarithm */
+  skf_vi closed, good;           /* closed: more than a piece */
+} metaball_state;
+typedef metaball_state metaball_segment_state, metaball_segment_short_state;
+
+/* Beside the support T0 and T1 are negative. */
+SKF_INLINE void metaball_roots(const metaball_row *c, metaball_state *s) {
+  /* never 0, so that nor is the distance from an end */
+  const skf_vd hh = vd_fma(vd3_dot(s->w, s->w), c->per_R2, vd_set(SKF_PICK(1e-300, 1e-37))), one = vd_set(1),
+               TT = one - hh;
+  const skf_vd n0 = vd_fma(s->t, s->t, hh), n1 = vd_fma(s->u, s->u, hh);
+  s->hh = hh, s->n0 = n0, s->n1 = n1;
+  s->T0 = (skf_vd)((skf_vi)vd_sqrt(vd_select(n0 < one, n0, vd_abs(TT))) | vd_sign(TT));
+  s->T1 = (skf_vd)((skf_vi)vd_sqrt(vd_select(n1 < one, n1, vd_abs(TT))) | vd_sign(TT));
+  s->T3 = vd_sqrt(vd_max(vd_set(1. / 9) - hh, vd_set(0)));
 }
 
-/* The thin part by nodes: r is smooth there. */
-SKF_INLINE void shell_nodes(const segment_row *c, const clip_view *v, const shell_view *s, shell_sum *out) {
-  enum { N = 18 };
-  skf_vi thin = (s->length > vd_set(0)) & shell_thin(c, v, s);
-  if (!vi_any(thin)) return;
-  const skf_gauss_node *node = skf_gauss_rule(N);
-  skf_vd half = vd_set(0.5) * s->length, R = c->param, per_R = c->per_param, F = vd_set(0), g = F;
-  for (int j = 0; j < N; j++) {
-    skf_vd hi = vd_fma(half, vd_set(1 - node[j].x), s->gap_hi), lo = vd_fma(half, vd_set(1 + node[j].x), s->gap_lo);
-    skf_vd u = vd_set(0.5) * (lo - hi), rr = vd_fma(u, u, v->h2), r = vd_sqrt(rr);
-    skf_vd slope = hi * lo * (per_R / vd_fma(R, r, rr)), m = slope * r, w = vd_set(node[j].w); /* m / r */
-    F = vd_fma(w * m, m, F);
-    g = vd_fma(w, slope, g);
+SKF_INLINE void metaball_segment_begin(const metaball_row *c, skf_v3d x, metaball_state *s) {
+  const skf_v3d d = vd3_sub(x, c->from);
+  s->t = vd3_dot(d, c->tangent), s->u = c->L - s->t;
+  s->w = vd3_less(d, s->t, c->back);
+}
+#define metaball_segment_short_begin metaball_segment_begin
+
+/* brief: what is short beside R passes the core's rim at one place, and is a core and a piece; differences between its
+   ends are known by its length. */
+SKF_INLINE void metaball_parts(const metaball_row *c, metaball_state *s, const bool brief) {
+  const skf_vd zero = vd_set(0), one = vd_set(1), third = vd_set(1. / 3), hh = s->hh, T3 = s->T3;
+  skf_vd p = vd_min(s->t, s->T0), q = vd_min(s->u, s->T1), len = p + q, mid = q - p;
+  skf_vd r0 = vd_select(s->n0 < one, s->T0, one), r1 = vd_select(s->n1 < one, s->T1, one);
+  skf_vd r03 = vd_min(r0, third), r13 = vd_min(r1, third), sum = r0 + r1, sum3 = r03 + r13;
+  skf_vd rise = r1 - r0, rise3 = r13 - r03;
+  skf_vd ap = vd_abs(p), aq = vd_abs(q), ap3 = vd_min(ap, T3), aq3 = vd_min(aq, T3);
+  skf_vd p3 = (skf_vd)((skf_vi)ap3 | vd_sign(p)), q3 = (skf_vd)((skf_vi)aq3 | vd_sign(q));
+  skf_vd len3 = p3 + q3, mid3 = q3 - p3, mm = mid * mid;
+  skf_vi sure = vd_abs(len) > vd_set(0x1p-18); /* that there is something, or nothing */
+  len = vd_max(len, zero);
+  skf_vi cored = len3 > zero;
+  skf_vd top = len;
+  s->sum = sum, s->mm = mm, s->closed = cored;
+  if (brief) {
+    const skf_vd far = vd_max(p, q), near = vd_min(p, q), r_far = vd_max(r0, r1), end = far + T3;
+    const skf_vd outer = vd_max(s->n0, s->n1);
+    const skf_vi both = outer < one;
+    sure |= outer < vd_set(SKF_PICK(1 - 0x1p-36, 1 - 0x1p-20));
+    cored = (T3 > zero) & (near > -T3);
+    len = vd_select(both, c->L, len);
+    rise = vd_select(both, c->L * mid / sum, rise), rise3 = vd_select(r_far < third, rise, rise3);
+    top = vd_select(cored, vd_max(far - T3, zero), len);
+    s->sum = vd_select(cored, r_far + third, sum), s->mm = vd_select(cored, end * end, mm);
+    s->closed = cored & (near > T3);
+    sure &= ~s->closed | (c->L > vd_set(SKF_PICK(1. / 32, 1. / 8)));
+    len3 = vd_select(s->closed, len3, len - top);
   }
-  F = vd_set(1.5) * half * F, g = vd_set(-3) * per_R * half * g;
-  out->F += (skf_vd)((skf_vi)F & thin), out->g += (skf_vd)((skf_vi)g & thin);
+  s->good = s->n0 < vd_set(SKF_PICK(1e200, 1e30));
+  if (brief || (int)SKF_PICK(1, 0)) s->good &= sure;
+  skf_vd A = (ap + r0) * (aq + r1), B = (ap3 + r03) * (aq3 + r13);
+  s->v = vd_select(s->closed, A - B, top) / vd_select(s->closed, A + B, s->sum);
+  skf_vd tr = vd_fma(p, r0, q * r1) - vd_fma(p3, r03, q3 * r13);
+  skf_vd rr = vd_fma(third, vd_fma(p, q, mm), hh), rr3 = vd_fma(third, vd_fma(p3, q3, mid3 * mid3), hh);
+  s->F = vd_fms(vd_set(4), vd_fma(len, rr, len - tr), len3 * vd_fma(vd_set(12), rr3, vd_set(4. / 3)));
+  s->g = vd_fnma(vd_set(3), len3, len);
+  if (brief) {
+    s->F = vd_select(s->closed, s->F, len3 * vd_fnma(vd_set(8), rr3, vd_set(8. / 3)));
+    s->F = (skf_vd)((skf_vi)s->F & cored);
+    s->g = vd_select(s->closed, s->g, vd_set(-2) * len3);
+  }
+  s->g = (skf_vd)((skf_vi)s->g & cored);
+  s->ends = vd_fma(rise3 + rise3, sum3, (rise - rise3) * (vd_set(4. / 3) - (sum - sum3)));
 }
 
-/* h(r0) - h(r1) as at_ends in metaball.c */
-SKF_INLINE skf_vd shell_ends(const segment_row *c, const clip_view *v, skf_vd r0, skf_vd r1) {
-  skf_vd per_R = c->per_param, per_R2 = per_R * per_R, R = c->param, zero = vd_set(0), one = vd_set(1),
-         three = vd_set(3);
-  skf_vi core0 = three * r0 <= R, core1 = three * r1 <= R;
-  skf_vd sum = r0 + r1, inv = one / ((R + r0) * (R + r1)), dw = c->L * (v->t0 + v->t1);
-  skf_vd n0 = vd_max(v->q0, zero) * ((R + r1) * inv) * per_R, n1 = vd_max(v->q1, zero) * ((R + r0) * inv) * per_R;
-  skf_vd h0 = vd_select(core0, vd_fnma(three * per_R2, r0 * r0, one), vd_set(1.5) * n0 * n0);
-  skf_vd h1 = vd_select(core1, vd_fnma(three * per_R2, r1 * r1, one), vd_set(1.5) * n1 * n1);
-  skf_vd u0 = vd_max(vd_fma(three * per_R, r0, -one), zero), u1 = vd_max(vd_fma(three * per_R, r1, -one), zero);
-  skf_vd inner = vd_fma(three * per_R2, dw, vd_set(0.5) * (u0 - u1) * (u0 + u1));
-  skf_vd outer = vd_set(1.5) * (n0 + n1) * dw * per_R / sum;
-  return vd_select(v->in0 & v->in1, vd_select(core0 | core1, inner, outer), h0 - h1);
-}
-
-SKF_INLINE skf_vvalue metaball_clipped(const segment_row *c, skf_v3d x, bool exact) {
-  segment_view f = segment_see(c, x);
-  clip_view v = segment_clip(c, &f, x, exact);
-  skf_vd zero = vd_set(0), R = c->param, per_R = c->per_param, third = R * vd_set(1. / 3);
-  shell_sum s = {zero, zero};
-  if (!vi_any(v.some)) return clip_result(c, &f, &v, zero, zero, zero);
-  skf_vd T2 = (third - v.h) * (third + v.h), r0 = vd_sqrt(f.n0), r1 = vd_sqrt(f.n1);
-  skf_vi cored = T2 > zero;
-  skf_vd T3 = vd_sqrt(vd_max(T2, zero));
-  cored &= (v.lo < T3) & (v.hi > -T3);
-  skf_vd left = vd_max(-T3 - v.lo, zero), right = vd_max(v.hi - T3, zero), core = vd_max(v.length - left - right, zero);
-  skf_vd a = vd_max(v.lo, -T3), b = vd_min(v.hi, T3), ab = a + b;
-  skf_vd square = vd_fma(vd_set(1. / 3), vd_fma(ab, ab, -(a * b)), v.h2);
-  s.F = (skf_vd)((skf_vi)(core * vd_fnma(vd_set(3) * per_R * per_R, square, vd_set(1))) & cored);
-  s.g = (skf_vd)((skf_vi)(vd_set(-6) * core * per_R * per_R) & cored);
-  skf_vd r_lo = vd_select(v.in0, r0, R), r_hi = vd_select(v.in1, r1, R);
-  shell_view A = {v.lo,
-                  r_lo,
-                  vd_select(cored, -T3, v.hi),
-                  vd_select(cored, third, r_hi),
-                  (skf_vd)((skf_vi)vd_select(cored, left, v.length) & v.some),
-                  v.gap_lo,
-                  vd_select(cored, v.T + T3, v.gap_hi)};
-  shell_view B = {T3, third, v.hi, r_hi, (skf_vd)((skf_vi)right & cored & v.some), v.T + T3, v.gap_hi};
-  shell_sum sa = {zero, zero}, sb = sa;
-  shell_closed(c, &v, &A, &sa);
-  if (vi_any(cored)) shell_closed(c, &v, &B, &sb);
-  shell_nodes(c, &v, &A, &sa);
-  s.F += sa.F + sb.F, s.g += sa.g + sb.g;
-  return clip_result(c, &f, &v, s.F, s.g, shell_ends(c, &v, r0, r1));
-}
-
-#ifndef SKF_VEC_FLOAT /* floats leave twice the error that they may */
-/* A segment that is not short beside R, lanes that are neither near the rim nor next to the axis: with k_R = (1 - r /
-   R)^2 to R, h = 3/2 k_R - 1/2 k_{R/3}, each by its antiderivative at the ends of what of the segment is in its ball;
-   the logarithms, int dt / r over the shell, are one. Where all is farther than 0.77 R the terms would cancel. */
-typedef struct metaball_segment_state {
-  skf_v3d w;                          /* from the axis to x */
-  skf_vd t0, t1, r0, r1, h2;          /* r: squares at first */
-  skf_vd T, T3, len, len3, F, log, t; /* T, T3: half the chords; set on the way */
-  skf_vi some, thin, good;
-} metaball_segment_state;
-
-SKF_INLINE void metaball_segment_begin(const segment_row *c, skf_v3d x, metaball_segment_state *s) {
-  skf_v3d d0 = vd3_sub(x, c->from), d1 = vd3_sub(x, c->to);
-  skf_vd n0 = vd3_dot(d0, d0), n1 = vd3_dot(d1, d1), R2 = c->param2, near = vd_min(n0, n1);
-  s->t0 = -vd3_dot(d0, c->a), s->t1 = -vd3_dot(d1, c->a);
-  skf_vi second = n1 < n0;
-  s->w = vd3_mad(vd3_select(second, d1, d0), vd_select(second, s->t1, s->t0), c->a);
-  s->h2 = vd3_dot(s->w, s->w), s->r0 = n0, s->r1 = n1;
-  skf_vd Q = R2 - s->h2, q0 = R2 - n0, q1 = R2 - n1, zero = vd_set(0);
-  skf_vi in0 = q0 > zero, in1 = q1 > zero;
-  s->T = vd_select(in0, vd_fma(s->t0, s->t0, q0), vd_select(in1, vd_fma(s->t1, s->t1, q1), Q));
-  s->T3 = vd_fnma(vd_set(8. / 9), R2, Q);
-  s->some = (s->T > zero) & (in0 | (s->t0 < zero)) & (in1 | (s->t1 > zero));
-  skf_vd beside = vd_max(vd_max(s->t0, -s->t1), zero), nearest = vd_fma(beside, beside, s->h2);
-  skf_vi rim = vd_set(1024) * vd_min(vd_abs(q0), vd_abs(q1)) < R2;
-  rim |= ~(in0 | in1) & (vd_set(1024) * vd_abs(Q) < R2);
-  s->thin = s->some & (nearest > vd_set(0.6) * R2);
-  s->good = ~(rim | (s->some & (vd_set(256) * s->h2 <= near))) & (n0 + n1 < vd_set(INFINITY));
-}
-
-SKF_INLINE void metaball_segment_roots(const segment_row *c, metaball_segment_state *s) {
+SKF_INLINE void metaball_series(const metaball_row *c, metaball_state *s) {
   (void)c;
-  s->r0 = vd_sqrt(s->r0), s->r1 = vd_sqrt(s->r1);
-  s->T = vd_sqrt(vd_max(s->T, vd_set(0))), s->T3 = vd_sqrt(vd_max(s->T3, vd_set(0)));
+  /* A as a quotient in 1 - y from 1/9 to 1, nearly all of whose terms are positive: 2e-8, 4e-16 */
+#ifdef SKF_VEC_FLOAT
+  static const double a[] = {0.0056879374256095274686, 0.1834154794053536069, 0.83419408741746492984,
+                             0.61761436170313058228, 0.0039989527555858699036};
+  static const double b[] = {0.0013131633791968646128, 0.090016383318137310678, 0.91391666772471984721,
+                             2.1070307714493987565, 1};
+#else
+  static const double a[] = {7.7368406002136004094e-6,   0.0012988873261970432431, 0.04601413798045604896,
+                             0.542591157033727529,       2.49095146746967628,      4.610706010265615513,
+                             3.2170650691523083642,      0.64732604019452191458,   0.0012083176988531864635,
+                             -0.000054363751749631798016};
+  static const double b[] = {1.3783701159094402762e-6, 0.00037943793029066583537, 0.020156602578206218738,
+                             0.35657769445329676173,   2.5566418689245924358,     8.0060544644548692161,
+                             10.94716775864467046,     6.0058069451694810974,     1};
+#endif
+  s->y = s->v * s->v, s->left = vd_set(1) - s->y;
+  s->A = vd_horner(a, sizeof a / sizeof *a, s->left) / vd_horner(b, sizeof b / sizeof *b, s->left);
 }
 
-SKF_INLINE void metaball_segment_parts(const segment_row *c, metaball_segment_state *s) {
-  skf_vd zero = vd_set(0), one = vd_set(1), R = c->param, per_R = c->per_param, third = R * vd_set(1. / 3), T3 = s->T3;
-  skf_vi in0 = s->r0 < R, in1 = s->r1<R, cored = T3> zero;
-  skf_vd lo = vd_select(in0, s->t0, -s->T), hi = vd_select(in1, s->t1, s->T);
-  skf_vd r_lo = vd_min(s->r0, R), r_hi = vd_min(s->r1, R), mid = lo + hi, len = vd_select(in0 & in1, c->L, hi - lo);
-  skf_vd lo3 = vd_max(vd_min(lo, T3), -T3), hi3 = vd_max(vd_min(hi, T3), -T3), mid3 = lo3 + hi3, len3 = hi3 - lo3;
-  skf_vi left = lo<zero, right = hi> zero;
-  skf_vd r_lo3 = vd_select(vd_abs(lo) < T3, r_lo, third), r_hi3 = vd_select(vd_abs(hi) < T3, r_hi, third);
-  /* without a core, from the foot of the perpendicular */
-  skf_vd A = vd_abs(lo) + r_lo, B = vd_abs(hi) + r_hi;
-  skf_vd A3 = vd_select(cored, vd_abs(lo3) + r_lo3, one);
-  skf_vd B3 = vd_select(cored, vd_abs(hi3) + r_hi3, vd_select(left & right, s->h2, one));
-  skf_vd top = vd_select(left, A, A3) * vd_select(right, B, B3);
-  skf_vd bottom = vd_select(left, A3, A) * vd_select(right, B3, B);
-  skf_vlog l = vd_log_parts(vd_select(s->some, top, one), vd_select(s->some, bottom, one),
-                            vd_select(s->some, top - bottom, zero));
-  s->log = l.count, s->t = l.top / l.bottom;
-  /* int r dt but for the logarithm, int r^2 dt */
-  skf_vd tr = vd_fma(hi, r_hi, -(lo * r_lo)), tr3 = vd_fma(hi3, r_hi3, -(lo3 * r_lo3)), share = vd_set(1. / 3);
-  skf_vd rr = len * vd_fma(share, vd_fnma(lo, hi, mid * mid), s->h2);
-  skf_vd rr3 = len3 * vd_fma(share, vd_fnma(lo3, hi3, mid3 * mid3), s->h2);
-  skf_vd F = vd_fma(vd_fnma(vd_set(3), rr3, rr), per_R, tr3 - tr);
-  s->F = vd_fma(vd_set(1.5), vd_fma(F, per_R, len), vd_set(-0.5) * len3);
-  s->len = len, s->len3 = len3;
+SKF_INLINE skf_vvalue metaball_end(const metaball_row *c, const metaball_state *s, const bool brief) {
+  const skf_vd two = vd_set(2), thirds = vd_set(2. / 3), v = s->v, y = s->y, sum = s->sum, gap = two - sum;
+  skf_vd log = v * vd_fma(y, vd_fma(y, s->A, thirds), vd_select(s->closed, two, gap)), hh2 = s->hh + s->hh;
+  skf_vd deep = vd_fma(y, vd_fnma(s->A, s->left, thirds), thirds * gap), rest = (hh2 + hh2) * log;
+  skf_vd piece = vd_fma(vd_fms(sum, sum, s->mm), deep, vd_set(1. / 3) * sum * s->mm);
+  piece = v * vd_fma(y, piece, sum * gap * gap);
+  skf_vd F = brief ? s->F + vd_select(s->closed, -rest, piece) : vd_select(s->closed, s->F - rest, piece);
+  return (skf_vvalue){c->F * F, vd3_mad(vd3_scale(s->ends, c->along), c->g * (log - s->g), s->w), s->good};
 }
 
-SKF_INLINE skf_vvalue metaball_segment_sum(const segment_row *c, const metaball_segment_state *s, skf_vd F, skf_vd g,
-                                           skf_vi good) {
-  skf_vd zero = vd_set(0), one = vd_set(1), three = vd_set(3), u0 = c->per_param * s->r0, u1 = c->per_param * s->r1;
-  skf_vd n0 = vd_max(one - u0, zero), n1 = vd_max(one - u1, zero);
-  skf_vd c0 = vd_max(vd_fnma(three, u0, one), zero), c1 = vd_max(vd_fnma(three, u1, one), zero);
-  skf_vd ends = vd_fma(vd_set(1.5) * (n0 - n1), n0 + n1, vd_set(-0.5) * (c0 - c1) * (c0 + c1));
-  F = (skf_vd)((skf_vi)F & s->some), g = (skf_vd)((skf_vi)g & s->some), ends = (skf_vd)((skf_vi)ends & s->some);
-  return (skf_vvalue){F, vd3_mad(vd3_scale(ends, c->a), g, s->w), good};
+SKF_INLINE void metaball_segment_parts(const metaball_row *c, metaball_state *s) { metaball_parts(c, s, false); }
+SKF_INLINE void metaball_segment_short_parts(const metaball_row *c, metaball_state *s) { metaball_parts(c, s, true); }
+SKF_INLINE skf_vvalue metaball_segment_end(const metaball_row *c, const metaball_state *s) {
+  return metaball_end(c, s, false);
+}
+SKF_INLINE skf_vvalue metaball_segment_short_end(const metaball_row *c, const metaball_state *s) {
+  return metaball_end(c, s, true);
 }
 
-SKF_INLINE skf_vvalue metaball_segment_end(const segment_row *c, const metaball_segment_state *s) {
-  skf_vd per_R = c->per_param, log = vd_log_series(s->log, s->t);
-  skf_vd F = vd_fnma(vd_set(1.5) * per_R * s->h2, log, s->F);
-  skf_vd g = vd_set(-3) * per_R * vd_fma(per_R, vd_fma(vd_set(3), s->len3, -s->len), log);
-  return metaball_segment_sum(c, s, F, g, s->good & ~s->thin);
+/* A segment that is long beside R, from its nearer end: the other one is out of the support. */
+typedef struct metaball_long_row {
+  metaball_row m;
+  skf_v3d to, e, e_lo; /* as segment_row */
+  skf_vd per_L2, axis; /* 1 / L^2; the square of how far from the end x may be next to the axis */
+  skf_vd rim;          /* from where on, the end next to the support's rim, F / L asks for more of the gradient */
+} metaball_long_row;
+
+static double *metaball_long_pack(const skf_prepared *e, double *k) {
+  const skf_segment_plan *s = &e->plan.segment;
+  const double R = e->kernel.param, L = s->length, axis = 2 * R / L * R;
+  k = pack3(pack3(pack3(metaball_pack(e, k), e->primitive.segment.to), s->e), s->e_lo);
+  return pack1(pack1(pack1(k, 1 / (L * L)), axis * axis), L > 256 * R ? 1 - 2 * cbrt(0.1 * R / L) : 1);
 }
 
-/* Nodes: where all is farther than 0.8 R they leave 2e-16, the gradient 4e-16; in units of R. */
-SKF_INLINE skf_vvalue metaball_segment_thin(const segment_row *c, skf_v3d x) {
-  enum { NODES = 16 };
-  metaball_segment_state s;
-  metaball_segment_begin(c, x, &s);
-  metaball_segment_roots(c, &s);
-  skf_vd one = vd_set(1), half = vd_set(0.5), per_R = c->per_param, hh = s.h2 * (per_R * per_R), F = vd_set(0), g = F;
-  skf_vi in0 = s.r0 < c->param, in1 = s.r1 < c->param;
-  skf_vd lo = vd_select(in0, s.t0, -s.T), hi = vd_select(in1, s.t1, s.T);
-  skf_vd mid = half * (lo + hi) * per_R, by = half * vd_select(in0 & in1, c->L, hi - lo);
-  const skf_gauss_node *node = skf_gauss_rule(NODES);
-#pragma GCC unroll 4
-  for (int j = 0; j < NODES; j++) {
-    skf_vd t = vd_fma(by * per_R, vd_set(node[j].x), mid), uu = vd_fma(t, t, hh), u = vd_sqrt(uu);
-    skf_vd slope = (one - uu) / (u + uu), w = vd_set(node[j].w) * slope; /* (1 - u) / u */
-    F = vd_fma(w, slope * uu, F), g += w;
-  }
-  return metaball_segment_sum(c, &s, vd_set(1.5) * by * F, vd_set(-3) * per_R * per_R * by * g, s.good & s.thin);
+typedef struct metaball_long_state {
+  metaball_state m;
+  skf_vi second, good; /* second: `to` is the nearer one */
+} metaball_long_state;
+typedef metaball_long_state metaball_segment_long_state;
+
+/* Returns x from the end. */
+SKF_INLINE skf_v3d metaball_look(const metaball_long_row *c, skf_v3d x, metaball_long_state *s) {
+  s->second = vd3_dot(vd3_sub(x, c->m.from), c->m.tangent) > vd_set(0.5) * c->m.L;
+  const skf_v3d d = vd3_sub(x, vd3_select(s->second, c->to, c->m.from));
+  const skf_vd t = vd3_dot(d, c->m.tangent);
+  s->m.t = vd_select(s->second, -t, t), s->m.u = c->m.L - s->m.t;
+  s->m.w = vd3_less(d, t, c->m.back);
+  return d;
 }
 
-SKF_OUTLINE skf_vvalue metaball_segment_short(const segment_row *c, skf_v3d x) { return metaball_clipped(c, x, false); }
-SKF_OUTLINE skf_vvalue metaball_segment_rim(const segment_row *c, skf_v3d x) { return metaball_clipped(c, x, true); }
-SKF_OUTLINE skf_vvalue metaball_segment_careful(const segment_row *c, skf_v3d x) {
-  skf_vvalue v = metaball_segment_thin(c, x);
-  if (!vi_all(v.good)) vv_take(&v, metaball_segment_rim(c, x));
+SKF_INLINE void metaball_segment_long_begin(const metaball_long_row *c, skf_v3d x, metaball_long_state *s) {
+  const skf_v3d d = metaball_look(c, x, s);
+  s->good = vd3_dot(d, d) < vd_max(vd_set(256) * vd3_dot(s->m.w, s->m.w), c->axis);
+  if ((int)SKF_PICK(0, 1)) s->good = vi_set(-1); /* rounding the point does more */
+}
+SKF_INLINE void metaball_segment_long_roots(const metaball_long_row *c, metaball_long_state *s) {
+  metaball_roots(&c->m, &s->m);
+  s->good |= (s->m.hh > vd_set(2)) | (s->m.t < vd_set(-2));
+  if ((int)SKF_PICK(1, 0)) s->good &= (s->m.n0 < c->rim) | (s->m.n0 >= vd_set(1));
+}
+SKF_INLINE void metaball_segment_long_parts(const metaball_long_row *c, metaball_long_state *s) {
+  metaball_parts(&c->m, &s->m, false);
+  s->m.ends = (skf_vd)((skf_vi)s->m.ends ^ (s->second & vi_sign_bit()));
+}
+SKF_INLINE void metaball_segment_long_series(const metaball_long_row *c, metaball_long_state *s) {
+  metaball_series(&c->m, &s->m);
+}
+SKF_INLINE skf_vvalue metaball_segment_long_end(const metaball_long_row *c, const metaball_long_state *s) {
+  skf_vvalue v = metaball_end(&c->m, &s->m, false);
+  v.good &= s->good;
   return v;
 }
-SKF_BATCH_STAGED(metaball_segment, segment, metaball_segment_careful, metaball_segment_roots, metaball_segment_parts,
-                 skf_stage_none)
-SKF_BATCH_FORM(metaball_segment_short, segment, metaball_segment_rim)
-#endif
+
+/* Next to the axis, from it by what the points' lower halves tell */
+SKF_OUTLINE skf_vvalue metaball_segment_long_close(const metaball_long_row *c, skf_v3d x) {
+  metaball_long_state s;
+  const skf_v3d d = metaball_look(c, x, &s), lo = vd3_lost(x, vd3_select(s.second, c->to, c->m.from), d);
+  const skf_v3d n = vd3_add(vd3_cross(d, c->e), vd3_add(vd3_cross(lo, c->e), vd3_cross(d, c->e_lo)));
+  s.m.w = vd3_scale(c->per_L2, vd3_cross(c->e, n)), s.good = vi_set(-1);
+  metaball_segment_long_roots(c, &s);
+  metaball_segment_long_parts(c, &s);
+  metaball_segment_long_series(c, &s);
+  return metaball_segment_long_end(c, &s);
+}
+
+SKF_BATCH_CROSSED(metaball_segment, metaball, skf_again_none, metaball_roots, metaball_segment_parts, metaball_series)
+SKF_BATCH_CROSSED(metaball_segment_short, metaball, skf_again_none, metaball_roots, metaball_segment_short_parts,
+                  metaball_series)
+SKF_BATCH_CROSSED(metaball_segment_long, metaball_long, metaball_segment_long_close, metaball_segment_long_roots,
+                  metaball_segment_long_parts, metaball_segment_long_series)
 
 #endif

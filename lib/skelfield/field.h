@@ -218,12 +218,12 @@ SKF_API skf_status skf_field_f32_new(const skf_field *field, skf_vec3 origin, do
 SKF_API void skf_field_f32_free(skf_field_f32 *field);
 
 /* As skf_field_eval, in the field's own units: the gradient is per length of x, not of p. With AVX2 or AVX-512, all but
-   metaballs on segments, kernels of finite support on arcs up to 0.1 rad, and Gaussian open arcs much longer than the
-   kernel's width is evaluated in floats, eight or sixteen points at once; everything else in doubles, then rounded.
-   Error, in units of 2^-24: 16 (triangles 512) of |F| and of |g|, and what F and g change when the point moves by 4
-   units of the largest |coordinate| of it or of the vertices; in one of 10^4 places or fewer up to twice all this, g
-   next to the centre of a Gaussian's circle three times; for sums, of the sum of the magnitudes. What exceeds the range
-   of floats becomes infinite or, below 1e-36 of the largest strength, 0. */
+   kernels of finite support on arcs up to 0.1 rad, and Gaussian open arcs much longer than the kernel's width is
+   evaluated in floats, eight or sixteen points at once; everything else in doubles, then rounded. Error, in units of
+   2^-24: 16 (triangles 512) of |F| and of |g|, and what F and g change when the point moves by 4 units of the largest
+   |coordinate| of it or of the vertices; in one of 10^4 places or fewer up to twice all this, g next to the centre of a
+   Gaussian's circle three times; for sums, of the sum of the magnitudes. What exceeds the range of floats becomes
+   infinite or, below 1e-36 of the largest strength, 0. */
 SKF_API skf_status skf_field_f32_eval(const skf_field_f32 *field, size_t n, const float *const p[3], float *F,
                                       float *const g[3]);
 
