@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Batches: every instruction set against the closed forms, in any place of any batch, on any number of threads. */
 #include "check.h"
+#include "chords.h"
 #include "core/vec3.h"
 #include "field/batch.h"
 #include "field/some.h"
@@ -151,6 +152,41 @@ static void test_widths(void **state) {
     skf_field_free(fb);
   }
   print_message("Gaussian segments: %.0f ulps\n", worst / 1.1e-16);
+}
+
+/* Metaballs along segments, from much shorter than their support to much longer, seen from all that their forms tell
+   apart. */
+static void test_chords(void **state) {
+  (void)state;
+  uint64_t seed = 17;
+  static cloud a, b;
+  double worst = 0;
+  for (int n = 0; n < 400; n++) {
+    const double R = pow(10, rnd(&seed, -7, 7));
+    skf_element e = {.primitive.shape = SKF_SEGMENT, .kernel = {SKF_METABALL, R}, .strength = n % 2 ? -0.7 : 1};
+    skf_segment *s = &e.primitive.segment;
+    const double L = R * (n % 4 == 0 ? pow(10, rnd(&seed, -6, 4)) : n % 4 == 1 ? rnd(&seed, 0.2, 3) : rnd(&seed, 0, 1));
+    s->from = rnd_vec(&seed, n % 3 * L), s->to = v3_mad(s->from, L, n % 5 ? rnd_unit(&seed) : v3(0, 1, 0));
+    for (size_t i = 0; i < POINTS; i++) {
+      const skf_vec3 x = rnd_chord(&seed, s, R);
+      for (int k = 0; k < 3; k++) a.p[k][i] = v3_get(x, k);
+    }
+    memcpy(&b, &a, sizeof a);
+    skf_field *fa = make(isas[0], &e, 1), *fb = make(isas[1], &e, 1);
+    eval(fa, 0, POINTS, &a);
+    eval(fb, 0, POINTS, &b);
+    for (size_t i = 0; i < POINTS; i++) {
+      const double d = difference(&e.primitive, &a, &b, i);
+      if (!(d <= bound(SKF_SEGMENT))) {
+        const skf_vec3 x = place(&a, i);
+        fail_msg("%g units, L / R = %g, at (%.17g, %.17g, %.17g)", d / 1.1e-16, L / R, x.x, x.y, x.z);
+      }
+      worst = fmax(worst, d);
+    }
+    skf_field_free(fa);
+    skf_field_free(fb);
+  }
+  print_message("metaballs along segments: %.0f ulps\n", worst / 1.1e-16);
 }
 
 /* All pairs, some twice. */
@@ -347,9 +383,9 @@ static void test_eight(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_isas),   cmocka_unit_test(test_widths),
-                                     cmocka_unit_test(test_place),  cmocka_unit_test(test_point),
-                                     cmocka_unit_test(test_sign),   cmocka_unit_test(test_infinite),
-                                     cmocka_unit_test(test_scalar), cmocka_unit_test(test_eight)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_isas),     cmocka_unit_test(test_widths), cmocka_unit_test(test_chords),
+      cmocka_unit_test(test_place),    cmocka_unit_test(test_point),  cmocka_unit_test(test_sign),
+      cmocka_unit_test(test_infinite), cmocka_unit_test(test_scalar), cmocka_unit_test(test_eight)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
