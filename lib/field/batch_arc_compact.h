@@ -211,6 +211,12 @@ typedef struct polynomial_circle_state {
 } polynomial_circle_state;
 typedef polynomial_circle_state quartic_circle_state, soft_object_circle_state;
 
+/* How many times R^2 - r^2 must be R^2 at least: a moved place excuses floats, but for where nothing changes with it.
+ */
+SKF_INLINE skf_vd rim_factor(skf_vd k, skf_vd rho) {
+  return vd_select(vd_set(4) * k > rho, vd_set(SKF_PICK(1024, 0x1p14)), vd_set(1024));
+}
+
 SKF_INLINE void polynomial_circle_begin(const compact_circle_row *c, skf_v3d x, polynomial_circle_state *s) {
   skf_v3d d = vd3_sub(x, c->center);
   s->z = vd3_dot(d, c->n);
@@ -226,7 +232,7 @@ SKF_INLINE void polynomial_circle_roots(const compact_circle_row *c, polynomial_
   s->qa = qa;
   s->root = vd_sqrt(vd_max(qa * (spread - qa), vd_set(0)));
   s->per = vd_set(1) / vd_max(spread, vd_set(SKF_PICK(1e-60, 1e-18)) * c->R2);
-  s->good = (vd_set(SKF_PICK(1024, 0x1p14)) * vd_abs(qa) >= c->R2) & (most < vd_set(SKF_PICK(1e70, 1e16)));
+  s->good = (rim_factor(s->k, c->rho) * vd_abs(qa) >= c->R2) & (most < vd_set(SKF_PICK(1e70, 1e16)));
   /* next to the circle the distance from it is exact enough only for a large support */
   s->good &= vd_max(vd_set(SKF_PICK(1024, 0x1p24)) * alpha, vd_set(SKF_PICK(4, 0x1p16)) * c->R2) > most;
 }
@@ -296,7 +302,7 @@ SKF_INLINE void polynomial_arc_look(const compact_arc_row *row, polynomial_arc_s
   s->per_k = vd_set(1) / s->k;
   skf_vangle a = vd_angle_parts(vd_abs(s->v), s->k + vd_abs(s->u));
   s->turn_offset = a.offset, s->turn = a.top / a.bottom;
-  s->good = (vd_set(SKF_PICK(1024, 0x1p14)) * vd_abs(s->qa) >= row->R2) & (most < vd_set(SKF_PICK(1e70, 1e16)));
+  s->good = (rim_factor(s->k, rho) * vd_abs(s->qa) >= row->R2) & (most < vd_set(SKF_PICK(1e70, 1e16)));
   s->good &= (vd_max(vd_set(1024) * alpha, vd_set(4) * row->R2) > most) & (s->k > vd_set(SKF_PICK(1e-30, 1e-16)) * rho);
 }
 
@@ -304,7 +310,7 @@ SKF_INLINE void polynomial_arc_angles(const compact_arc_row *row, polynomial_arc
   (void)row;
   skf_vd half = vd_set(0.5), by = half * s->per_k;
   s->cb = vd_sqrt(vd_fma(by, vd_abs(s->u), half));
-  s->sb = (skf_vd)((skf_vi)(by * s->v) ^ (vi_sign_bit() ^ vd_sign(s->u))) / s->cb;
+  s->sb = vd_select(s->u < vd_set(0), by * s->v, -(by * s->v)) / s->cb;
   skf_vangle a = vd_angle_parts(vd_max(s->qa, vd_set(0)), s->root);
   s->rim_offset = a.offset, s->rim = a.top / a.bottom;
 }

@@ -22,10 +22,10 @@ SKF_INLINE ends_view arc_ends(const arc_row *c, const arc_view *f) {
                      vd_select(behind, -c1, s1), S * vd_fma(S, f->ux, -(C * f->uy))};
 }
 
-/* 4 rho times int dchi / r, int alpha cos^2 chi / r^3 dchi and int beta sin^2 chi / r^3 dchi over a quarter turn: 2 pi
-   rho / M(da, db) as for a circle, and what it loses when da, db grow. */
+/* 4 rho times int dchi / r and int alpha cos^2 chi / r^3 dchi over a quarter turn: 2 pi rho / M(da, db) as for a
+   circle, and what it loses when da grows. */
 typedef struct quarter_view {
-  skf_vd K, cos2, sin2;
+  skf_vd K, cos2;
 } quarter_view;
 
 SKF_INLINE quarter_view arc_quarter(const arc_row *c, const arc_view *f) {
@@ -34,7 +34,7 @@ SKF_INLINE quarter_view arc_quarter(const arc_row *c, const arc_view *f) {
   elliptic_view e = elliptic_series(q * q);
   skf_vd m = (q + q) * e.slope, per_sum = a * per, K = vd_set(2 * SKF_PI) * c->rho * per_sum;
   skf_vd by_a = K * per_sum * vd_fnma(m, one - q, e.K), by_g = K * per_sum * (g * vd_fma(m, one + q, e.K));
-  return (quarter_view){(K + K) * e.K, vd_fma(da, by_a, by_g), vd_fma(db, by_a, by_g)};
+  return (quarter_view){(K + K) * e.K, vd_fma(da, by_a, by_g)};
 }
 
 /* The same after one step more, for r_near >= r_far / 4096 */
@@ -46,7 +46,7 @@ SKF_INLINE quarter_view arc_quarter_next(const arc_row *c, const arc_view *f) {
   skf_vd by_a = scale * vd_fnma(m, one - q, e.K), by_g = scale * (g * vd_fma(m, one + q, e.K));
   skf_vd by_g0 = vd_fma(g0, by_a, by_g);
   by_a += by_g / a0;
-  return (quarter_view){(K + K) * e.K, vd_fma(da, by_a, by_g0), vd_fma(db, by_a, by_g0)};
+  return (quarter_view){(K + K) * e.K, vd_fma(da, by_a, by_g0)};
 }
 
 /* int dchi / r = R_F(U1^2, U2^2, U3^2) and int cos^2 chi / r^3 dchi = R_D / 3 + c0 c1 / (r0 r1 U3) with U1 = cs u,

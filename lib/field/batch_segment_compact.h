@@ -6,9 +6,9 @@
 #include "field/batch_segment.h"
 #include "num/gauss.h"
 
-/* The part lo <= t <= hi of the segment in the support; T is half the ball's chord. */
+/* The part of the segment in the support; T is half the ball's chord. */
 typedef struct clip_view {
-  skf_vd t0, t1, q0, q1, T, lo, hi, length, gap_lo, gap_hi, h2, h;
+  skf_vd t0, t1, q0, q1, T, length, gap_lo, gap_hi, h2, h;
   skf_vi in0, in1, some, near; /* some: not empty; near: R^2 - r^2 of an end or of the line cancels */
 } clip_view;
 
@@ -39,16 +39,14 @@ SKF_INLINE void clip_end(const segment_row *c, clip_view *v) {
   skf_vd above0 = vd_select(back0, s0, k0), below1 = vd_select(back1, k1, s1);
   v->length = vd_select(v->in0, vd_select(v->in1, c->L, above0), vd_select(v->in1, below1, v->T + v->T));
   v->some &= v->length > zero;
-  v->lo = vd_select(v->in0, v->t0, -v->T), v->hi = vd_select(v->in1, v->t1, v->T);
 }
 
-SKF_INLINE clip_view segment_clip(const segment_row *c, const segment_view *f, skf_v3d x, bool exact) {
+/* The powers of the ends to an ulp or two */
+SKF_INLINE clip_view segment_clip(const segment_row *c, const segment_view *f, skf_v3d x) {
   clip_view v;
   clip_begin(c, f, &v);
-  if (exact) {
-    v.q0 = power_exact(c->param, x, c->from, f->d0), v.q1 = power_exact(c->param, x, c->to, f->d1);
-    v.near = vi_set(0);
-  }
+  v.q0 = power_exact(c->param, x, c->from, f->d0), v.q1 = power_exact(c->param, x, c->to, f->d1);
+  v.near = vi_set(0);
   clip_chord(c, &v);
   clip_end(c, &v);
   return v;
@@ -163,7 +161,7 @@ SKF_INLINE void compact_segment_clip(const segment_row *c, compact_segment_state
 
 SKF_INLINE skf_vvalue polynomial_rim(const segment_row *c, skf_v3d x, double c2, double c3) {
   compact_segment_state s = {.f = segment_see(c, x)};
-  s.v = segment_clip(c, &s.f, x, true);
+  s.v = segment_clip(c, &s.f, x);
   return polynomial_clipped(c, &s, c2, c3);
 }
 
@@ -268,6 +266,10 @@ SKF_INLINE void metaball_parts(const metaball_row *c, metaball_state *s, const b
     len3 = vd_select(s->closed, len3, len - top);
   }
   s->good = s->n0 < vd_set(SKF_PICK(1e200, 1e30));
+  if ((int)SKF_PICK(1, 0)) { /* nearest to x it is not next to the support's rim */
+    const skf_vd past = vd_max(vd_max(-s->t, -s->u), zero);
+    s->good &= vd_abs(one - vd_fma(past, past, hh)) > vd_set(0x1p-9);
+  }
   if (brief || (int)SKF_PICK(1, 0)) s->good &= sure;
   skf_vd A = (ap + r0) * (aq + r1), B = (ap3 + r03) * (aq3 + r13);
   s->v = vd_select(s->closed, A - B, top) / vd_select(s->closed, A + B, s->sum);

@@ -128,7 +128,7 @@ SKF_INLINE skf_vd gaussian_mantissa(skf_vd k, skf_vd u, skf_vd yh) {
 SKF_INLINE skf_vi gaussian_seen(skf_vd least) { return least < vd_set((double)LOG2_E * GAUSSIAN_SEEN); }
 SKF_INLINE skf_vi gaussian_good(const gaussian_span_row *c, skf_vd yh, skf_vd y, skf_vi seen, skf_vd least) {
   return (seen & (vd_fma(vd_set(SKF_PICK(256, 1e8)), yh, c->axis) > y)) |
-         (least > vd_set((double)LOG2_E * VD_EXP_ZERO));
+         ((least > vd_set((double)LOG2_E * VD_EXP_ZERO)) & (least < vd_set(INFINITY)));
 }
 SKF_INLINE skf_vvalue gaussian_result(const gaussian_span_row *c, skf_vd F, skf_vd ends, skf_v3d w, skf_vi good) {
   return (skf_vvalue){c->F * F, vd3_mad(vd3_scale(ends, c->along), c->g * F, w), good};

@@ -53,10 +53,4 @@ SKF_INLINE skf_vd span_second(const span_view *a, skf_vd c) { return vd_fma(c, a
 SKF_INLINE skf_vd span_fourth(const span_view *a, skf_vd c) {
   return vd_fma(c * a->sin, vd_fma(c, a->cos, a->versine), vd_set(0.125) * a->gap5);
 }
-/* int cos^2 sin^2 */
-SKF_INLINE skf_vd span_mixed(const span_view *a) {
-  skf_vd sc = a->sin * a->cos;
-  return vd_set(1. / 16) * span_gap3(a->delta + a->delta, sc + sc) + sc * (a->c * a->s);
-}
-
 #endif

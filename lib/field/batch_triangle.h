@@ -80,7 +80,9 @@ SKF_INLINE skf_vvalue sliver_triangle(const triangle_row *T, const skf_v3d a[3])
   const skf_vd L1 = vd3_dot(left, T->t), L2 = -vd3_dot(right, T->t), l1 = vd3_dot(from, T->t);
   const skf_vd past = vd_max(vd_max(l1, -vd3_dot(to, T->t)), zero), out = T->width + T->width;
   const skf_v3d off = vd3_less(from, l1, T->t), up1 = vd3_less(left, L1, T->t), up2 = vd3_mad(right, L2, T->t);
-  const skf_vi good = vd_fma(past, past, vd3_dot(off, off)) > out * out;
+  /* nor where powers of the distance underflow */
+  const skf_vd least = vd_max(vd_max(out, vd_set(1e-4) * (L1 + L2)), vd_set(1e-7));
+  const skf_vi good = vd_fma(past, past, vd3_dot(off, off)) > least * least;
   skf_vvalue v = {zero, {zero, zero, zero}, good};
   if (!vi_any(good)) return v;
   for (int i = 0; i < NODES; i++) {

@@ -69,7 +69,7 @@ typedef __m256d skf_mm;
 SKF_INLINE skf_vd vd_set(double a) { return (skf_real)a - (skf_vd){0}; }
 /* v, but compilers don't see what it is: a constant that is added and subtracted then stands there once. */
 SKF_INLINE skf_vd vd_held(skf_vd v) {
-#ifdef __AVX__
+#if defined __AVX__ && SKF_VEC_BYTES == 32
   __asm__("" : "+x"(v));
 #endif
   return v;

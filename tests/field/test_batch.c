@@ -258,6 +258,32 @@ static void test_infinite(void **state) {
     }
 }
 
+/* Arcs along axes, seen from the axes through their centres, where products are zeros of either sign */
+static void test_axes(void **state) {
+  (void)state;
+  uint64_t seed = 18;
+  static cloud a, b;
+  for (int k = 0; k < SKF_KERNEL_COUNT; k++)
+    for (int n = 0; n < 24; n++) {
+      skf_element e = {{.shape = SKF_ARC}, {.type = (skf_kernel_type)k, .param = rnd(&seed, 0.5, 2)}, 1};
+      const skf_vec3 unit[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, at = rnd_vec(&seed, n % 2);
+      const double sign = n / 2 % 2 ? -1 : 1, sweep = n % 3 ? rnd(&seed, 0.2, 6) : 2 * SKF_PI;
+      e.primitive.arc = (skf_arc){at, unit[n % 3], v3_scale(sign, unit[(n + 1) % 3]), 1, sweep};
+      for (size_t i = 0; i < POINTS; i++)
+        for (int c = 0; c < 3; c++) a.p[c][i] = v3_get(at, c) + ((i + (size_t)c) % 3 ? 0 : rnd(&seed, -2, 2));
+      memcpy(&b, &a, sizeof a);
+      skf_field *fa = make(isas[0], &e, 1), *fb = make(isas[1], &e, 1);
+      eval(fa, 0, POINTS, &a);
+      eval(fb, 0, POINTS, &b);
+      for (size_t i = 0; i < POINTS; i++) {
+        const double d = difference(&e.primitive, &a, &b, i);
+        if (!(d <= bound(SKF_ARC))) fail_msg("%s: %g ulps", skf_kernel_get(e.kernel.type)->name, d / 1.1e-16);
+      }
+      skf_field_free(fa);
+      skf_field_free(fb);
+    }
+}
+
 /* A batch of one gives what a longer one does, to the sign of zero; lying in planes of symmetry, the body itself,
    negative. */
 static void test_sign(void **state) {
@@ -383,9 +409,10 @@ static void test_eight(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_isas),     cmocka_unit_test(test_widths), cmocka_unit_test(test_chords),
-      cmocka_unit_test(test_place),    cmocka_unit_test(test_point),  cmocka_unit_test(test_sign),
-      cmocka_unit_test(test_infinite), cmocka_unit_test(test_scalar), cmocka_unit_test(test_eight)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_isas),   cmocka_unit_test(test_widths),
+                                     cmocka_unit_test(test_chords), cmocka_unit_test(test_axes),
+                                     cmocka_unit_test(test_place),  cmocka_unit_test(test_point),
+                                     cmocka_unit_test(test_sign),   cmocka_unit_test(test_infinite),
+                                     cmocka_unit_test(test_scalar), cmocka_unit_test(test_eight)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
