@@ -211,10 +211,9 @@ typedef struct polynomial_circle_state {
 } polynomial_circle_state;
 typedef polynomial_circle_state quartic_circle_state, soft_object_circle_state;
 
-/* How many times R^2 - r^2 must be R^2 at least: a moved place excuses floats, but for where nothing changes with it.
- */
+/* How many times R^2 - r^2 must be R^2 at least: a moved place excuses floats, but for where nothing changes then. */
 SKF_INLINE skf_vd rim_factor(skf_vd k, skf_vd rho) {
-  return vd_select(vd_set(4) * k > rho, vd_set(SKF_PICK(1024, 0x1p14)), vd_set(1024));
+  return vd_select(vd_set(4) * k > rho, vd_set(SKF_PICK(1024, 0x1p14)), vd_set(SKF_PICK(256, 32)));
 }
 
 SKF_INLINE void polynomial_circle_begin(const compact_circle_row *c, skf_v3d x, polynomial_circle_state *s) {
