@@ -258,30 +258,37 @@ static void test_infinite(void **state) {
     }
 }
 
+/* Along an axis; the zeros of either sign */
+static skf_vec3 along_axis(uint64_t *seed, int axis, double length) {
+  double v[3];
+  for (int c = 0; c < 3; c++) v[c] = c == axis ? length : rnd(seed, 0, 1) < 0.5 ? -0. : 0.;
+  return v3(v[0], v[1], v[2]);
+}
+
 /* Arcs along axes, seen from the axes through their centres, where products are zeros of either sign */
 static void test_axes(void **state) {
   (void)state;
   uint64_t seed = 18;
   static cloud a, b;
+  double worst = 0;
   for (int k = 0; k < SKF_KERNEL_COUNT; k++)
-    for (int n = 0; n < 24; n++) {
-      skf_element e = {{.shape = SKF_ARC}, {.type = (skf_kernel_type)k, .param = rnd(&seed, 0.5, 2)}, 1};
-      const skf_vec3 unit[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, at = rnd_vec(&seed, n % 2);
-      const double sign = n / 2 % 2 ? -1 : 1, sweep = n % 3 ? rnd(&seed, 0.2, 6) : 2 * SKF_PI;
-      e.primitive.arc = (skf_arc){at, unit[n % 3], v3_scale(sign, unit[(n + 1) % 3]), 1, sweep};
+    for (int n = 0; n < 48; n++) {
+      skf_element e = {{.shape = SKF_ARC}, {.type = (skf_kernel_type)k, .param = rnd(&seed, 0.3, 2)}, 1};
+      const skf_vec3 at = rnd_vec(&seed, n % 2), normal = along_axis(&seed, n % 3, 1),
+                     start = along_axis(&seed, (n + 1) % 3, n / 2 % 2 ? -1 : 1);
+      e.primitive.arc = (skf_arc){at, normal, start, 1, n % 4 ? rnd(&seed, 0.2, 6) : 2 * SKF_PI};
       for (size_t i = 0; i < POINTS; i++)
         for (int c = 0; c < 3; c++) a.p[c][i] = v3_get(at, c) + ((i + (size_t)c) % 3 ? 0 : rnd(&seed, -2, 2));
       memcpy(&b, &a, sizeof a);
       skf_field *fa = make(isas[0], &e, 1), *fb = make(isas[1], &e, 1);
       eval(fa, 0, POINTS, &a);
       eval(fb, 0, POINTS, &b);
-      for (size_t i = 0; i < POINTS; i++) {
-        const double d = difference(&e.primitive, &a, &b, i);
-        if (!(d <= bound(SKF_ARC))) fail_msg("%s: %g ulps", skf_kernel_get(e.kernel.type)->name, d / 1.1e-16);
-      }
+      for (size_t i = 0; i < POINTS; i++) worst = fmax(worst, difference(&e.primitive, &a, &b, i));
       skf_field_free(fa);
       skf_field_free(fb);
     }
+  print_message("arcs from axes: %.0f ulps\n", worst / 1.1e-16);
+  assert_true(worst <= 2 * bound(SKF_ARC)); /* the closed forms' own error, too */
 }
 
 /* A batch of one gives what a longer one does, to the sign of zero; lying in planes of symmetry, the body itself,
