@@ -87,7 +87,8 @@ static void quiet_chain(int n) {
 static void quiet_clock(quiet_state *q) {
   const double t = quiet_cpu();
   quiet_chain(QUIET_CHAIN);
-  q->cycle_ns = fmin(q->cycle_ns, (quiet_cpu() - t) / (5 * QUIET_CHAIN));
+  const double each = (quiet_cpu() - t) / (5 * QUIET_CHAIN);
+  if (each > 0.1) q->cycle_ns = fmin(q->cycle_ns, each); /* a guest's clock of CPU time may stand still */
 }
 
 /* Ten chains of products and sums, among them additions of whole numbers: twice as much as half a core takes in */
@@ -153,6 +154,7 @@ static void quiet_clear(quiet_series *s) { s->kept = 0, s->least = INFINITY; }
 
 /* After quiet_probe, which tells `good` */
 static void quiet_keep(quiet_series *s, double cycles, bool good) {
+  if (!(cycles > 0)) return;
   s->least = fmin(s->least, cycles);
   if (good) s->cycles[s->kept++ % QUIET_KEPT] = cycles;
 }
