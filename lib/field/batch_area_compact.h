@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Vector forms: quartic and soft object over a triangle, as triangle_compact.c, whose H-form has exact Gauss rules;
-   points far beside the triangle in terms of the disc that the support cuts from its plane have the G-form, by panels.
- */
+/* Vector forms: quartic and soft object over a triangle: batch_area_flat.h, and for lanes that need more care as
+   triangle_compact.c, whose H-form has exact Gauss rules; points far beside the triangle in terms of the disc that the
+   support cuts from its plane have the G-form, by panels. */
 #ifndef SKF_FIELD_BATCH_AREA_COMPACT_H
 #define SKF_FIELD_BATCH_AREA_COMPACT_H
 
