@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Arcs and circles seen by vector forms. The geometry is that of arc_frame.c; points
-   next to the circle, where it needs double-double, are left to the closed form. */
+/* Arcs and circles seen by vector forms. The geometry is that of arc_frame.c; points next to the circle, where it needs
+   double-double, are left to the closed form. */
 #ifndef SKF_FIELD_BATCH_ARC_H
 #define SKF_FIELD_BATCH_ARC_H
 

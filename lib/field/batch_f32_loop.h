@@ -135,10 +135,7 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
     skf_v3d x[4];                                                                                                      \
     skf_vd w[4], F[4], slope[4];                                                                                       \
     SKF_EACH(u, n) x[u] = points_load(from, i + u * SKF_LANES);                                                        \
-    if (mode == SKF_PLAIN)                                                                                             \
-      way##_gauge(row, SKF_PLAIN, n, x, w);                                                                            \
-    else                                                                                                               \
-      way##_measure(row, SKF_PLAIN, n, x, w);                                                                          \
+    way##_gauge(row, mode, n, x, w);                                                                                   \
     if (__builtin_expect(!vi_all(name##_of(row, n, w, F, slope)), 0)) {                                                \
       for (size_t u = 0; u < n; u++)                                                                                   \
         name##_keep(tile, j, p, i + u * SKF_LANES, by, name##_value(row, points_load(p, i + u * SKF_LANES)), sum);     \

@@ -157,7 +157,7 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
 /* A form that depends on one measure of x alone, the strength in the row. WAY says which: `point`, the squared distance
    w from row->at, whence the gradient is along at - x; another has
      int WAY_mode(const ROW_row *)                      for a row in all lanes: SKF_PLAIN, or SKF_MIXED
-     void WAY_measure(const ROW_row *, int mode, size_t n, const skf_v3d *x, skf_vd *w)     SKF_MIXED: lane by lane
+     skf_vd WAY_measure(const ROW_row *, skf_v3d x)     whatever the rows
      void WAY_gauge(const ROW_row *, int mode, size_t n, const skf_v3d *x, skf_vd *w)       the same, or NaN where that
                                                                                             takes more care
      WAY_first(row, p)                                  for SKF_PLAIN, which coordinates WAY_gauge sees as x; for all
@@ -172,8 +172,8 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
 
 #define SKF_BATCH_ALONG(name, row_name, way, again)                                                                    \
   SKF_INLINE skf_vvalue name##_value(const row_name##_row *row, skf_v3d x) {                                           \
-    skf_vd w, F, slope;                                                                                                \
-    way##_measure(row, SKF_MIXED, 1, &x, &w);                                                                          \
+    const skf_vd w = way##_measure(row, x);                                                                            \
+    skf_vd F, slope;                                                                                                   \
     const skf_vi good = name##_of(row, 1, &w, &F, &slope);                                                             \
     const skf_v3d along = {way##_along(row, x, &x.x), way##_along(row, y, &x.y), way##_along(row, z, &x.z)};           \
     return (skf_vvalue){F, vd3_scale(slope, along), good};                                                             \
@@ -203,17 +203,22 @@ SKF_INLINE skf_vd vd_there(const void *p) {
   return v;
 }
 enum { SKF_MIXED, SKF_PLAIN };
-#define point_mode(row)                   SKF_PLAIN
-#define point_measure(row, mode, n, x, w) ((void)(mode), squares_from((row)->at, n, x, w))
-#define point_gauge                       point_measure
-#define point_first(row, p)               ((p)[0])
-#define point_along(row, k, q)            ((row)->at.k - vd_there(q))
+#define point_mode(row)                 SKF_PLAIN
+#define point_gauge(row, mode, n, x, w) ((void)(mode), squares_from((row)->at, n, x, w))
+#define point_first(row, p)             ((p)[0])
+#define point_along(row, k, q)          ((row)->at.k - vd_there(q))
 SKF_INLINE void squares_from(skf_v3d at, size_t n, const skf_v3d *x, skf_vd *w) {
   skf_vd d[4];
   SKF_EACH(u, n) d[u] = at.x - x[u].x, w[u] = d[u] * d[u];
   SKF_EACH(u, n) d[u] = at.y - x[u].y, w[u] = vd_fma(d[u], d[u], w[u]);
   SKF_EACH(u, n) d[u] = at.z - x[u].z, w[u] = vd_fma(d[u], d[u], w[u]);
 }
+SKF_INLINE skf_vd square_from(skf_v3d at, skf_v3d x) {
+  skf_vd w;
+  squares_from(at, 1, &x, &w);
+  return w;
+}
+#define point_measure(row, x) square_from((row)->at, x)
 
 /* A form in stages, SKF_FLIGHT vectors in each before the next: NAME_begin, three, NAME_end. */
 #define SKF_BATCH_STAGED(name, row_name, again, one, two, three)                                                       \

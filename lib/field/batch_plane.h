@@ -39,34 +39,30 @@ SKF_INLINE skf_vd plane_careful(const plane_row *c, skf_v3d x) {
 }
 
 /* unit . d (0 is added so that heights of 0 are never negative), and where it is less than a 256th of what cancels in
-   it. */
+   it; for floats rounding x does more. */
 SKF_INLINE skf_vd plane_plain(const plane_row *c, skf_v3d d, skf_vi *close) {
   const skf_vd one = vd_fma(d.x, c->unit.x, vd_set(0)), two = vd_fma(d.y, c->unit.y, one);
   const skf_vd z = vd_fma(d.z, c->unit.z, two), much = vd_max(vd_abs(one), vd_abs(two));
   *close = (skf_vi)much > (skf_vi)vd_abs(z) + vi_set(8ll << SKF_MANTISSA);
+  if ((int)SKF_PICK(0, 1)) *close = vi_set(0);
   return z;
 }
 
 /* Signed height. Where the normal is along an axis it is exact but for the last rounding. Else the plain sum may lose
    an ulp or two of what cancels in it, less than eight ulps of x and the plane's point change: careful ones are taken
-   where that is too much. For floats rounding x does more. */
+   where that is too much. */
 SKF_INLINE skf_vi plane_aligned(const plane_row *c) { return c->axis > vd_set(-0.5); }
-SKF_INLINE void plane_measure(const plane_row *c, int mode, size_t n, const skf_v3d *x, skf_vd *z) {
-  SKF_EACH(u, n) {
-    const skf_vd zero = vd_set(0);
-    const skf_vi aligned = plane_aligned(c);
-    skf_vi close;
-    skf_v3d d = vd3_sub(x[u], c->through);
-    if (mode != SKF_PLAIN) { /* as if plane_gauge had not read them */
-      d.x = vd_select(aligned & (c->unit.x == zero), zero, d.x);
-      d.y = vd_select(aligned & (c->unit.y == zero), zero, d.y);
-      d.z = vd_select(aligned & (c->unit.z == zero), zero, d.z);
-    }
-    z[u] = plane_plain(c, d, &close);
-    if (mode == SKF_PLAIN || (int)SKF_PICK(0, 1)) continue;
-    close &= ~aligned;
-    if (vi_any(close)) z[u] = vd_select(close, plane_careful(c, x[u]) * c->per_length, z[u]);
-  }
+SKF_INLINE skf_vd plane_measure(const plane_row *c, skf_v3d x) {
+  const skf_vd zero = vd_set(0);
+  const skf_vi aligned = plane_aligned(c);
+  skf_vi close;
+  skf_v3d d = vd3_sub(x, c->through); /* what plane_gauge does not read is 0 */
+  d.x = vd_select(aligned & (c->unit.x == zero), zero, d.x);
+  d.y = vd_select(aligned & (c->unit.y == zero), zero, d.y);
+  d.z = vd_select(aligned & (c->unit.z == zero), zero, d.z);
+  const skf_vd z = plane_plain(c, d, &close);
+  close &= ~aligned;
+  return vi_any(close) ? vd_select(close, plane_careful(c, x) * c->per_length, z) : z;
 }
 SKF_INLINE void plane_gauge(const plane_row *c, int mode, size_t n, const skf_v3d *x, skf_vd *z) {
   skf_vi close;
@@ -122,9 +118,7 @@ SKF_INLINE skf_vi gaussian_plane_end(const plane_row *c, const gaussian_plane_st
   return vd_gaussian_near(&s->h);
 }
 SKF_INLINE skf_vvalue gaussian_plane_gone(const plane_row *c, skf_v3d x) {
-  const skf_vd zero = vd_set(0);
-  skf_vd z;
-  plane_measure(c, SKF_MIXED, 1, &x, &z);
+  const skf_vd zero = vd_set(0), z = plane_measure(c, x);
   return (skf_vvalue){zero, {zero, zero, zero}, vd_gaussian_gone(c->exponent * z, z)};
 }
 

@@ -138,8 +138,8 @@ SKF_INLINE skf_vvalue near_triangle(const triangle_row *T, const skf_v3d a[3], c
   return (skf_vvalue){F, vd3_mad(g, Z, T->n), good};
 }
 
-/* The same without the care: not near an edge, and not where the edges' sums lose more than 128, which the distances
-   tell: far away, or anywhere for slivers. */
+/* The same without the care: not near an edge, and not where the edges' sums lose more than 128 (in floats 192),
+   which the distances tell: far away, or anywhere for slivers. */
 typedef struct inverse_triangle_state {
 #ifndef SKF_VEC_FLOAT
   skf_vd dot[3];
