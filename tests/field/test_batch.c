@@ -86,6 +86,16 @@ static double bound(int shape) {
   return (shape == SKF_TRIANGLE ? 1000 : shape == SKF_ARC ? 200 : shape == SKF_SEGMENT ? 60 : 20) * 1.1e-16;
 }
 
+/* An element at the points of a, without and with vector instructions */
+static void eval_both(const skf_element *e, cloud *a, cloud *b) {
+  memcpy(b, a, sizeof *a);
+  skf_field *fa = make(isas[0], e, 1), *fb = make(isas[1], e, 1);
+  eval(fa, 0, POINTS, a);
+  eval(fb, 0, POINTS, b);
+  skf_field_free(fa);
+  skf_field_free(fb);
+}
+
 static void test_isas(void **state) {
   (void)state;
   uint64_t seed = 11;
@@ -104,17 +114,12 @@ static void test_isas(void **state) {
         e.kernel.param *= skf_kernel_get(e.kernel.type)->compact ? scale : 1 / scale;
         rnd_primitive(&seed, (skf_shape)s, scale, &e.primitive);
         scatter(&seed, &e.primitive, scale, &a);
-        memcpy(&b, &a, sizeof a);
-        skf_field *fa = make(isas[0], &e, 1), *fb = make(isas[1], &e, 1);
-        eval(fa, 0, POINTS, &a);
-        eval(fb, 0, POINTS, &b);
+        eval_both(&e, &a, &b);
         for (size_t i = 0; i < POINTS; i++) {
           double d = difference(&e.primitive, &a, &b, i) / allowance(&e.primitive, place(&a, i));
           if (d <= worst) continue;
           worst = d, where = place(&a, i), body = e;
         }
-        skf_field_free(fa);
-        skf_field_free(fb);
       }
       print_message("%-16s %-9s %.0f ulps\n", skf_kernel_get((skf_kernel_type)k)->name,
                     skf_shape_get((skf_shape)s)->name, worst / 1.1e-16);
@@ -139,17 +144,12 @@ static void test_widths(void **state) {
     rnd_primitive(&seed, SKF_SEGMENT, scale, &e.primitive);
     e.kernel.param = width[n % 8] / v3_norm(v3_sub(e.primitive.segment.to, e.primitive.segment.from));
     scatter(&seed, &e.primitive, scale, &a);
-    memcpy(&b, &a, sizeof a);
-    skf_field *fa = make(isas[0], &e, 1), *fb = make(isas[1], &e, 1);
-    eval(fa, 0, POINTS, &a);
-    eval(fb, 0, POINTS, &b);
+    eval_both(&e, &a, &b);
     for (size_t i = 0; i < POINTS; i++) {
       const double d = difference(&e.primitive, &a, &b, i);
       worst = fmax(worst, d);
       if (!(d <= bound(SKF_SEGMENT))) fail_msg("%g ulps, %g widths", d / 1.1e-16, width[n % 8]);
     }
-    skf_field_free(fa);
-    skf_field_free(fb);
   }
   print_message("Gaussian segments: %.0f ulps\n", worst / 1.1e-16);
 }
@@ -171,10 +171,7 @@ static void test_chords(void **state) {
       const skf_vec3 x = rnd_chord(&seed, s, R);
       for (int k = 0; k < 3; k++) a.p[k][i] = v3_get(x, k);
     }
-    memcpy(&b, &a, sizeof a);
-    skf_field *fa = make(isas[0], &e, 1), *fb = make(isas[1], &e, 1);
-    eval(fa, 0, POINTS, &a);
-    eval(fb, 0, POINTS, &b);
+    eval_both(&e, &a, &b);
     for (size_t i = 0; i < POINTS; i++) {
       const double d = difference(&e.primitive, &a, &b, i);
       if (!(d <= bound(SKF_SEGMENT))) {
@@ -183,8 +180,6 @@ static void test_chords(void **state) {
       }
       worst = fmax(worst, d);
     }
-    skf_field_free(fa);
-    skf_field_free(fb);
   }
   print_message("metaballs along segments: %.0f ulps\n", worst / 1.1e-16);
 }
@@ -279,13 +274,8 @@ static void test_axes(void **state) {
       e.primitive.arc = (skf_arc){at, normal, start, 1, n % 4 ? rnd(&seed, 0.2, 6) : 2 * SKF_PI};
       for (size_t i = 0; i < POINTS; i++)
         for (int c = 0; c < 3; c++) a.p[c][i] = v3_get(at, c) + ((i + (size_t)c) % 3 ? 0 : rnd(&seed, -2, 2));
-      memcpy(&b, &a, sizeof a);
-      skf_field *fa = make(isas[0], &e, 1), *fb = make(isas[1], &e, 1);
-      eval(fa, 0, POINTS, &a);
-      eval(fb, 0, POINTS, &b);
+      eval_both(&e, &a, &b);
       for (size_t i = 0; i < POINTS; i++) worst = fmax(worst, difference(&e.primitive, &a, &b, i));
-      skf_field_free(fa);
-      skf_field_free(fb);
     }
   print_message("arcs from axes: %.0f ulps\n", worst / 1.1e-16);
   assert_true(worst <= 2 * bound(SKF_ARC)); /* the closed forms' own error, too */

@@ -61,9 +61,12 @@ static double points_excess(const skf_element *e, double units) {
     skf_vec3 x = local(i);
     double d = skf_primitive_distance(&e->primitive, x), size = fmax(v3_norm(x), 1.8), moved = 4 * ulp * size;
     if (d < 8 * moved) continue; /* where the point ends up is anyone's guess */
-    if (skf_kernel_get(e->kernel.type)->compact && fabs(d - e->kernel.param) < moved)
-      continue; /* as whether in the support */
-    worst = fmax(worst, excess(f, x, moved, units, 1e-36, i));
+    double off = excess(f, x, moved, units, 1e-36, i), depth = 2 * moved / e->kernel.param;
+    /* at the rim a metaball's segment may give what it does as deep as the point may move */
+    if (e->kernel.type == SKF_METABALL && e->primitive.shape == SKF_SEGMENT && fabs(d - e->kernel.param) < moved)
+      off = fmin(off, fmax(fabs((double)F[i]) / (1.5 * depth * depth * 2 * e->kernel.param),
+                           v3_norm(v3((double)g[0][i], (double)g[1][i], (double)g[2][i])) / (6 * depth)));
+    worst = fmax(worst, off);
   }
   skf_field_free(f);
   return worst;
