@@ -27,7 +27,7 @@ enum {
   IN_A_ROW = 4,
   HUGE_POINTS = 2000000,
   FORMULA_NODES = 24,
-  FORMULAS = 15
+  FORMULAS = 22
 };
 
 static double p[3][POINTS + PAD], F[4][POINTS + PAD]; /* padded: rows a multiple of 4096 bytes apart disturb */
@@ -42,6 +42,7 @@ typedef struct library {
 static const struct {
   skf_kernel_type kernel;
   skf_shape shape;
+  bool circle;
 } formulas[FORMULAS] = {{SKF_INVERSE, SKF_SEGMENT},
                         {SKF_CAUCHY, SKF_SEGMENT},
                         {SKF_INVERSE, SKF_TRIANGLE},
@@ -56,7 +57,14 @@ static const struct {
                         {SKF_GAUSSIAN, SKF_TRIANGLE},
                         {SKF_INVERSE_SQUARED, SKF_TRIANGLE},
                         {SKF_METABALL, SKF_SEGMENT},
-                        {SKF_GAUSSIAN, SKF_ARC}};
+                        {SKF_GAUSSIAN, SKF_ARC},
+                        {SKF_METABALL, SKF_ARC},
+                        {SKF_QUARTIC, SKF_ARC},
+                        {SKF_SOFT_OBJECT, SKF_ARC},
+                        {SKF_GAUSSIAN, SKF_ARC, true},
+                        {SKF_METABALL, SKF_TRIANGLE},
+                        {SKF_QUARTIC, SKF_TRIANGLE},
+                        {SKF_SOFT_OBJECT, SKF_TRIANGLE}};
 
 #define V               long double
 #define REAL            long double
@@ -70,6 +78,7 @@ static const struct {
 #define LOG1P           log1pl
 #define EXP             expl
 #define ERF             erfl
+#define ACOS            acosl
 #define ATAN            atanl
 #define ATAN2           atan2l
 #define SIN             sinl
@@ -88,6 +97,7 @@ static const struct {
 #define LOG1P           log1p
 #define EXP             exp
 #define ERF             erf
+#define ACOS            acos
 #define ATAN            atan
 #define ATAN2           atan2
 #define SIN             sin
@@ -96,7 +106,8 @@ static const struct {
 
 #ifdef SKF_HAVE_LIBMVEC
 __m256d _ZGVdN4v_erf(__m256d), _ZGVdN4v_log(__m256d), _ZGVdN4v_log1p(__m256d), _ZGVdN4v_exp(__m256d),
-    _ZGVdN4v_atan(__m256d), _ZGVdN4vv_atan2(__m256d, __m256d);
+    _ZGVdN4v_sin(__m256d), _ZGVdN4v_cos(__m256d), _ZGVdN4v_acos(__m256d), _ZGVdN4v_atan(__m256d),
+    _ZGVdN4vv_atan2(__m256d, __m256d);
 #define V               skf_vd
 #define REAL            double
 #define NAME(x)         glibc_##x
@@ -111,8 +122,9 @@ __m256d _ZGVdN4v_erf(__m256d), _ZGVdN4v_log(__m256d), _ZGVdN4v_log1p(__m256d), _
 #define EXP(x)          ((skf_vd)_ZGVdN4v_exp((__m256d)(x)))
 #define ATAN(x)         ((skf_vd)_ZGVdN4v_atan((__m256d)(x)))
 #define ATAN2(y, x)     ((skf_vd)_ZGVdN4vv_atan2((__m256d)(y), (__m256d)(x)))
-#define SIN             sin
-#define COS             cos
+#define SIN(x)          ((skf_vd)_ZGVdN4v_sin((__m256d)(x)))
+#define COS(x)          ((skf_vd)_ZGVdN4v_cos((__m256d)(x)))
+#define ACOS(x)         ((skf_vd)_ZGVdN4v_acos((__m256d)(x)))
 #include "formula.h"
 #endif
 
@@ -131,8 +143,9 @@ __m256d _ZGVdN4v_erf(__m256d), _ZGVdN4v_log(__m256d), _ZGVdN4v_log1p(__m256d), _
 #define EXP(x)          ((skf_vd)Sleef_expd4_u10avx2((__m256d)(x)))
 #define ATAN(x)         ((skf_vd)Sleef_atand4_u10avx2((__m256d)(x)))
 #define ATAN2(y, x)     ((skf_vd)Sleef_atan2d4_u10avx2((__m256d)(y), (__m256d)(x)))
-#define SIN             sin
-#define COS             cos
+#define SIN(x)          ((skf_vd)Sleef_sind4_u10avx2((__m256d)(x)))
+#define COS(x)          ((skf_vd)Sleef_cosd4_u10avx2((__m256d)(x)))
+#define ACOS(x)         ((skf_vd)Sleef_acosd4_u10avx2((__m256d)(x)))
 #include "formula.h"
 #endif
 
@@ -186,9 +199,10 @@ static error compare(void) {
 }
 
 static int formula_of(const skf_element *e) {
-  if (e->primitive.shape == SKF_ARC && e->primitive.arc.sweep > 6) return -1;
+  bool circle = e->primitive.shape == SKF_ARC && e->primitive.arc.sweep > 6;
   for (int i = 0; i < FORMULAS; i++)
-    if (formulas[i].kernel == e->kernel.type && formulas[i].shape == e->primitive.shape) return i;
+    if (formulas[i].kernel == e->kernel.type && formulas[i].shape == e->primitive.shape && formulas[i].circle == circle)
+      return i;
   return -1;
 }
 
