@@ -89,19 +89,27 @@ SKF_INLINE void shell_add(const compact_arc_row *c, const arc_view *f, const she
   /* cut: R^2 - r^2 = spread sin(rim - chi) sin(rim + chi) */
   skf_vd below = vd_max(angle_gap(lo, v->rim), zero), beside = vd_max(angle_gap(hi, v->rim), zero);
   skf_vd sum_lo = vd_fma(v->rim.s, lo.c, v->rim.c * lo.s), sum_hi = vd_fma(v->rim.s, hi.c, v->rim.c * hi.s);
-  skf_vd N0 = lo.s + hi.s, N1 = hi.s - lo.s, D0 = lo.c + hi.c, D1 = hi.c - lo.c, V0 = sum_lo + sum_hi;
-  skf_vd V1 = (sum_hi - sum_lo) * d->spread;
-  V0 *= d->spread;
+  skf_vd N0 = lo.s + hi.s, N1 = hi.s - lo.s, D0 = lo.c + hi.c, D1 = hi.c - lo.c;
+  skf_vd U0 = below + beside, U1 = beside - below, V0 = (sum_lo + sum_hi) * d->spread,
+         V1 = (sum_hi - sum_lo) * d->spread;
   const skf_gauss_node *node = skf_gauss_rule(NODES);
+  skf_vd NN[NODES], DD[NODES], rp[NODES], e[NODES];
   arc_sum s = {zero, zero, zero};
-  for (int j = 0; j < NODES; j++) {
-    skf_vd t = vd_set(node[j].x), N = vd_fma(t, N1, N0), D = vd_fma(t, D1, D0), NN = N * N, DD = D * D, p = NN + DD;
-    skf_vd U = vd_fma(vd_set(1 + node[j].x), beside, vd_set(1 - node[j].x) * below), V = vd_fma(t, V1, V0);
-    skf_vd q = vd_select(d->cut, U * V, vd_fma(d->qa, DD, d->qb * NN)); /* p (R^2 - r^2) */
-    skf_vd rrpp = vd_fma(f->alpha, DD, f->beta * NN) * p, rp = vd_sqrt(rrpp), all = vd_fma(c->R, p, rp) * (rp * p);
-    skf_vd e = q / all, we = vd_set(node[j].w) * e;
-    s.F = vd_fma(we * e, rrpp * p, s.F);
-    s.cc = vd_fma(we, DD, s.cc), s.ss = vd_fma(we, NN, s.ss);
+  /* thrice: what waits for roots and quotients would fill the scheduler */
+  SKF_ROLLED for (int j = 0; j < NODES; j++) {
+    skf_vd t = vd_set(node[j].x), N = vd_fma(t, N1, N0), D = vd_fma(t, D1, D0);
+    NN[j] = N * N, DD[j] = D * D;
+    rp[j] = vd_sqrt(vd_fma(f->alpha, DD[j], f->beta * NN[j]) * (NN[j] + DD[j]));
+  }
+  SKF_ROLLED for (int j = 0; j < NODES; j++) {
+    skf_vd t = vd_set(node[j].x), p = NN[j] + DD[j], uncut = vd_fma(d->qa, DD[j], d->qb * NN[j]);
+    skf_vd q = vd_select(d->cut, vd_fma(t, U1, U0) * vd_fma(t, V1, V0), uncut); /* p (R^2 - r^2) */
+    e[j] = q / (vd_fma(c->R, p, rp[j]) * (rp[j] * p));
+  }
+  SKF_ROLLED for (int j = 0; j < NODES; j++) {
+    skf_vd w = vd_set(node[j].w), we = w * e[j], up = e[j] * rp[j];
+    s.F = vd_fma(w * (NN[j] + DD[j]), up * up, s.F);
+    s.cc = vd_fma(we, DD[j], s.cc), s.ss = vd_fma(we, NN[j], s.ss);
   }
   s.F *= vd_set(1.5) * c->per_R * c->per_R;
   arc_sum_add(sum, &s, by * (gap + gap) * scale, some);

@@ -23,8 +23,8 @@ SKF_INLINE cone_view cone_see(const area_row *c, const area_view *f, double scal
   v.rm2 = vd_max((v.R - az) * (v.R + az), zero), v.rm = vd_sqrt(v.rm2);
   v.w = az * v.per_R, v.b = vd_max(one - v.w, zero);
   v.G0 = v.R2 * vd_set(1. / 12) * v.b * v.b * v.b * vd_fnma(vd_set(3), v.b, vd_set(4));
-  v.rim = vd_set(2) * az > v.R;
-  v.beyond = ~f->inside & (vd_set(4) * f->lat2 > v.rm2);
+  v.rim = vd_set(SKF_PICK(1.75, 2)) * az > v.R;
+  v.beyond = ~f->inside & (vd_set(SKF_PICK(3, 4)) * f->lat2 > v.rm2);
   return v;
 }
 
@@ -57,55 +57,52 @@ SKF_INLINE cone_part cone_closed(const cone_view *v, const area_view *f, skf_vd 
   return p;
 }
 
-/* A node: F's H-form, or G-form from beyond; W; J. */
-SKF_INLINE void cone_node(const cone_view *v, skf_vd dd, skf_vd cc, skf_vd chord, skf_vd l, skf_vd w, cone_part *sum) {
-  const skf_vd one = vd_set(1), three = vd_set(3), four = vd_set(4), w0 = v->w, ll = l * l;
-  skf_vd u = vd_sqrt(cc + ll) * v->per_R, us = u + w0, inv = one / ((one + u) * us);
-  skf_vd a = (chord - l) * (chord + l) * v->per_R2 * (us * inv), aa = a * a, b = v->b, ab = a + b;
-  skf_vd per = (one + u) * inv; /* 1 / us */
-  skf_vd high = vd_fma(four, vd_fma(b, ab, aa), -(three * ab * vd_fma(b, b, aa))) * per;
-  skf_vd low = vd_fma(three, vd_fma(u, u, w0 * w0), vd_set(6)) - vd_set(8) * vd_fma(w0 * w0, per, u);
-  skf_vd H = vd_select(us > one, high, low) * vd_set(1. / 12), D = ab * per * v->per_R2;
-  skf_vd q = one / vd_select(v->beyond, dd + ll, one);
-  H = vd_select(v->beyond, v->R2 * vd_set(1. / 12) * aa * a * vd_fnma(three, a, four) * q, H);
-  sum->F = vd_fma(w, H, sum->F), sum->W = vd_fma(w, vd_select(v->beyond, aa * q, D), sum->W);
-  sum->J = vd_fma(w, aa, sum->J);
-}
-
-/* The same by panels. In floats one does: the integrand's singularities are as far from the edge's line as the point or
-   from beyond the foot, half the support or the disc at least, and 12 nodes leave 1e-6. */
-SKF_INLINE cone_part cone_panels(const cone_view *v, const area_view *f, skf_vd d, const cut_view *e, skf_vi some) {
-  const skf_vd zero = vd_set(0), dd = d * d, cc = dd + f->zz;
-  cone_part sum = {zero, zero, zero};
-#ifdef SKF_VEC_FLOAT
-  enum { NODES = 12 };
+/* By Gauss's rule, near the rim and from beyond: terms of the H-form, those of the G-form from beyond. The integrand's
+   singularities are as far from the edge's line as the point or from beyond the foot, 0.57 R or 0.57 of the disc's
+   radius at least. */
+SKF_INLINE cone_part cone_rule(const cone_view *v, const area_view *f, skf_vd d, const cut_view *e, skf_vi some) {
+  enum { NODES = SKF_COUNT(28, 12) }; /* 1e-16, 1e-6 */
   const skf_gauss_node *node = skf_gauss_rule(NODES);
+  const skf_vd zero = vd_set(0), one = vd_set(1), three = vd_set(3), four = vd_set(4), b = v->b;
   const skf_vd half = vd_set(0.5) * (e->b2 - e->b1), mid = vd_set(0.5) * (e->b1 + e->b2);
-  const skf_vd weight = (skf_vd)((skf_vi)half & some & e->in);
-  for (int j = 0; j < NODES; j++)
-    cone_node(v, dd, cc, e->chord, vd_fma(half, vd_set(node[j].x), mid), weight * vd_set(node[j].w), &sum);
-#else
-  skf_vd scale = vd_select(v->beyond, vd_abs(d), vd_max(vd_sqrt(cc), vd_set(1e-12) * (e->b2 - e->b1)));
-  panel_view p = panel_over(e->b1, e->b2, e->b2 - e->b1, panel_scale(scale, e->b1, e->b2), some & e->in);
-  for (int k = 0; panel_next(&p, k); k++)
-    for (int j = 0; j < PANEL_NODES; j++) {
-      skf_vd l, w;
-      panel_node(&p, j, &l, &w);
-      cone_node(v, dd, cc, e->chord, l, w, &sum);
-    }
-#endif
-  skf_vd sign = vd_select(v->beyond, -d, d);
-  return (cone_part){sign * sum.F, -sign * sum.W, sum.J};
+  const skf_vd dd = d * d, cc = dd + f->zz;
+  const skf_vi in = some & e->in;
+  skf_vd u[NODES], inv[NODES];
+  cone_part sum = {zero, zero, zero};
+  if (!vi_any(in)) return sum;
+  /* thrice: what waits for roots and quotients would fill the scheduler */
+  SKF_ROLLED for (int j = 0; j < NODES; j++) {
+    skf_vd l = vd_fma(half, vd_set(node[j].x), mid);
+    u[j] = vd_sqrt(vd_fma(l, l, cc));
+  }
+  SKF_ROLLED for (int j = 0; j < NODES; j++) {
+    skf_vd l = vd_fma(half, vd_set(node[j].x), mid);
+    u[j] *= v->per_R;
+    inv[j] = one / ((one + u[j]) * vd_select(v->beyond, vd_fma(l, l, dd), u[j] + v->w));
+  }
+  SKF_ROLLED for (int j = 0; j < NODES; j++) {
+    skf_vd l = vd_fma(half, vd_set(node[j].x), mid), w = vd_set(node[j].w);
+    skf_vd q = vd_select(v->beyond, vd_fma(l, l, dd), u[j] + v->w), by = w * ((one + u[j]) * inv[j]);
+    skf_vd a = (e->chord - l) * (e->chord + l) * (q * inv[j]) * v->per_R2, aa = a * a, ab = a + b;
+    skf_vd near = vd_fms(four, vd_fma(b, ab, aa), three * ab * vd_fma(b, b, aa));
+    skf_vd F = vd_select(v->beyond, aa * a * vd_fnma(three, a, four), near);
+    sum.F = vd_fma(by, F, sum.F), sum.W = vd_fma(by, vd_select(v->beyond, aa, ab), sum.W);
+    sum.J = vd_fma(w, aa, sum.J);
+  }
+  skf_vd to = (skf_vd)((skf_vi)half & in), size = d * to, by_F = vd_set(1. / 12) * size;
+  sum.F *= vd_select(v->beyond, -(by_F * v->R2), by_F), sum.W *= vd_select(v->beyond, size, -(size * v->per_R2));
+  sum.J *= to;
+  return sum;
 }
 
-/* Adds `by` times what the edges give in `some`, by panels or in closed form; not good where that has cancelled. */
+/* Adds `by` times what the edges give in `some`, by the rule or in closed form; not good where that has cancelled. */
 SKF_INLINE void cone_add(const area_row *c, const area_view *f, const cone_view *v, skf_vi some, bool panels, double by,
                          area_sum *sum, skf_vi *good) {
   const skf_vd factor = (skf_vd)((skf_vi)vd_set(by) & some);
   for (int i = 0; i < 3; i++) {
     cut_view e = area_cut(c, f, i, v->power, v->rm, v->R);
     skf_vi fine = vi_set(-1);
-    cone_part p = panels ? cone_panels(v, f, f->d[i], &e, some) : cone_closed(v, f, f->d[i], &e, &fine);
+    cone_part p = panels ? cone_rule(v, f, f->d[i], &e, some) : cone_closed(v, f, f->d[i], &e, &fine);
     skf_vd out = panels ? (skf_vd)((skf_vi)e.out & ~v->beyond) : e.out;
     *good &= fine & ~e.rough;
     skf_vd F = factor * vd_fma(v->G0, out, p.F), Z = factor * (f->z * vd_fnma(v->b * v->b, out, p.W));
