@@ -14,10 +14,6 @@ typedef struct cut_view {
   skf_vi in, rough;          /* rough: the edge's line is not known well enough for so small a disc */
 } cut_view;
 
-SKF_INLINE skf_vd edge_angle(skf_vd d, skf_vd l1, skf_vd l2, skf_vd length) {
-  return (skf_vd)((skf_vi)vd_atan2(d * length, vd_fma(d, d, l1 * l2)) & (d != vd_set(0)));
-}
-
 SKF_INLINE cut_view area_cut(const area_row *c, const area_view *f, int i, const skf_vd power[3], skf_vd rm, skf_vd R) {
   skf_vd d = f->d[i], l1 = f->l1[i], l2 = f->l2[i], zero = vd_set(0), ad = vd_abs(d);
   skf_vi first = vd_abs(l1) < vd_abs(l2);
@@ -27,14 +23,13 @@ SKF_INLINE cut_view area_cut(const area_row *c, const area_view *f, int i, const
   v.b1 = vd_max(l1, -v.chord), v.b2 = vd_min(l2, v.chord);
   v.in = (c2 > zero) & (v.b1 < v.b2);
   v.rough = v.in & (vd_set(256) * R * R < vd_min(f->r2[i], f->r2[(i + 1) % 3]));
-  skf_vi low = v.in & (l1 < -v.chord), high = v.in & (l2 > v.chord), all = ~v.in;
-  skf_vd to = vd_select(low, -v.chord, l2), from = vd_select(high, v.chord, l1);
-  v.out = zero;
-  if (vi_any(low | all)) {
-    skf_vd angle = edge_angle(d, l1, to, vd_select(low, to - l1, c->T.L[i]));
-    v.out = (skf_vd)((skf_vi)angle & (low | all));
-  }
-  if (vi_any(high)) v.out += (skf_vd)((skf_vi)edge_angle(d, from, l2, l2 - from) & high);
+  /* from l1 on and up to l2, or all at once, which is less than pi together */
+  skf_vd to = vd_select(v.in, v.b1, l2), from = vd_select(v.in, v.b2, l2), dd = d * d;
+  skf_vd re1 = vd_fma(l1, to, dd), im1 = d * vd_select(v.in, to - l1, c->T.L[i]);
+  skf_vd re2 = vd_fma(l2, from, dd), im2 = d * (l2 - from);
+  skf_vd im = vd_fma(re1, im2, re2 * im1), re = vd_fma(re1, re2, -(im1 * im2));
+  v.out = (skf_vd)((skf_vi)vd_angle(vd_abs(im), re) & (im != vd_set(0)));
+  v.out = (skf_vd)((skf_vi)v.out ^ vd_sign(d));
   return v;
 }
 

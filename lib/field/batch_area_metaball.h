@@ -28,33 +28,56 @@ SKF_INLINE cone_view cone_see(const area_row *c, const area_view *f, double scal
   return v;
 }
 
-/* An edge's part in the disc: antiderivatives, with int dl / r and the solid angle each as one function of the two
-   ends. They would cancel where the disc is a small cap. */
-SKF_INLINE cone_part cone_closed(const cone_view *v, const area_view *f, skf_vd d, const cut_view *e, skf_vi *good) {
-  skf_vd one = vd_set(1), zero = vd_set(0), az = vd_abs(f->z), dd = d * d, cc = dd + f->zz;
-  skf_vd b1 = vd_select(e->in, e->b1, -one), b2 = vd_select(e->in, e->b2, one), len = b2 - b1;
-  cc = vd_select(e->in, cc, one);
-  skf_vd r1 = vd_sqrt(vd_fma(b1, b1, cc)), r2 = vd_sqrt(vd_fma(b2, b2, cc)), rr = r1 * r2, bb = b1 * b2;
-  skf_vi right = b1 >= zero, aside = right | (b2 <= zero);
-  skf_vd a1 = vd_abs(b1), a2 = vd_abs(b2), sum = vd_abs(b1 + b2);
-  skf_vd base = vd_select(aside, vd_select(right, b1 + r1, r2 - b2) * (r1 + r2), cc);
-  skf_vd near = vd_fma(bb, bb, cc * vd_fma(b1, b1, b2 * b2)) / (rr + cc); /* r1 r2 - c^2 */
-  skf_vd top = vd_select(aside, len * (r1 + r2 + sum), vd_fma(a2, r1, vd_fma(a1, r2, a1 * a2)) + near);
-  skf_vd lam = vd_log_ratio(base + top, base, top), D1 = vd_fma(az, r1, cc), D2 = vd_fma(az, r2, cc);
-  skf_vd across = vd_fma(a2, r1, a1 * r2), beside = vd_fma(az, cc * sum / across, cc);
-  skf_vd rise = vd_select(aside, len * beside, vd_fma(b2, D1, -(b1 * D2)));
-  skf_vd solid = vd_atan2(d * rise, vd_fma(D1, D2, dd * bb));
-  *good &= ~e->in | (vd_sane(base) & vd_sane(cc));
-  skf_vd th = vd_fma(d, lam, -(az * solid)), third = vd_set(1. / 3);
-  skf_vd int_r = vd_set(0.5) * vd_fma(cc, lam, vd_fma(b2, r2, -(b1 * r1)));
-  skf_vd int_ll = len * third * vd_fma(b1, b1 + b2, b2 * b2), eight = vd_set(8);
-  cone_part p;
-  p.J = vd_fma(v->per_R2, vd_fma(cc, len, int_ll), len) - vd_set(2) * v->per_R * int_r;
-  skf_vd F = vd_fma(vd_set(3) * v->per_R2, vd_fma(cc + f->zz, len, int_ll), vd_set(6) * len);
-  p.F = vd_fma(d, vd_fnma(eight * v->per_R, int_r, F), -(eight * f->zz * v->per_R * th)) * vd_set(1. / 12);
-  p.W = -(vd_fma(vd_set(2) * v->R, th, -(d * len)) * v->per_R2);
-  p.F = (skf_vd)((skf_vi)p.F & e->in), p.W = (skf_vd)((skf_vi)p.W & e->in), p.J = (skf_vd)((skf_vi)p.J & e->in);
-  return p;
+/* The edges' parts in the disc: antiderivatives, with int dl / r and the solid angle each as one function of the two
+   ends. They would cancel where the disc is a small cap. Step by step for all edges, whose roots and quotients take
+   long. */
+typedef struct cone_edge {
+  skf_vd b1, b2, len, cc, r1, r2, near, beside, base;
+  skf_vlog log;
+  skf_vangle angle;
+  skf_vd t_log, t_angle, sign;
+} cone_edge;
+
+SKF_INLINE void cone_closed(const cone_view *v, const area_view *f, const cut_view e[3], cone_part part[3],
+                            skf_vi *good) {
+  const skf_vd one = vd_set(1), zero = vd_set(0), third = vd_set(1. / 3), eight = vd_set(8), az = vd_abs(f->z);
+  cone_edge s[3];
+  SKF_EACH(i, 3) {
+    s[i].b1 = vd_select(e[i].in, e[i].b1, -one), s[i].b2 = vd_select(e[i].in, e[i].b2, one);
+    s[i].cc = vd_select(e[i].in, vd_fma(f->d[i], f->d[i], f->zz), one);
+    s[i].r1 = vd_sqrt(vd_fma(s[i].b1, s[i].b1, s[i].cc)), s[i].r2 = vd_sqrt(vd_fma(s[i].b2, s[i].b2, s[i].cc));
+  }
+  SKF_EACH(i, 3) {
+    skf_vd b1 = s[i].b1, b2 = s[i].b2, cc = s[i].cc, bb = b1 * b2;
+    s[i].near = vd_fma(bb, bb, cc * vd_fma(b1, b1, b2 * b2)) / vd_fma(s[i].r1, s[i].r2, cc); /* r1 r2 - c^2 */
+    s[i].beside = cc * vd_abs(b1 + b2) / vd_fma(vd_abs(b2), s[i].r1, vd_abs(b1) * s[i].r2);
+  }
+  SKF_EACH(i, 3) {
+    skf_vd b1 = s[i].b1, b2 = s[i].b2, r1 = s[i].r1, r2 = s[i].r2, cc = s[i].cc, d = f->d[i], len = b2 - b1;
+    skf_vi right = b1 >= zero, aside = right | (b2 <= zero);
+    skf_vd a1 = vd_abs(b1), a2 = vd_abs(b2), sum = vd_abs(b1 + b2);
+    skf_vd base = vd_select(aside, vd_select(right, b1 + r1, r2 - b2) * (r1 + r2), cc);
+    skf_vd top = vd_select(aside, len * (r1 + r2 + sum), vd_fma(a2, r1, vd_fma(a1, r2, a1 * a2)) + s[i].near);
+    skf_vd D1 = vd_fma(az, r1, cc), D2 = vd_fma(az, r2, cc);
+    skf_vd rise = d * vd_select(aside, len * vd_fma(az, s[i].beside, cc), vd_fma(b2, D1, -(b1 * D2)));
+    s[i].log = vd_log_parts(base + top, base, top);
+    s[i].angle = vd_angle_parts(vd_abs(rise), vd_fma(D1, D2, d * d * (b1 * b2)));
+    s[i].t_log = s[i].log.top / s[i].log.bottom, s[i].t_angle = s[i].angle.top / s[i].angle.bottom;
+    s[i].sign = (skf_vd)vd_sign(rise), s[i].len = len;
+    *good &= ~e[i].in | (vd_sane(base) & vd_sane(cc));
+  }
+  SKF_EACH(i, 3) {
+    skf_vd b1 = s[i].b1, b2 = s[i].b2, cc = s[i].cc, d = f->d[i], len = s[i].len;
+    skf_vd lam = vd_log_series(s[i].log.count, s[i].t_log), solid = vd_angle_series(s[i].angle.offset, s[i].t_angle);
+    skf_vd th = vd_fma(d, lam, -(az * (skf_vd)((skf_vi)solid ^ (skf_vi)s[i].sign)));
+    skf_vd int_r = vd_set(0.5) * vd_fma(cc, lam, vd_fma(b2, s[i].r2, -(b1 * s[i].r1)));
+    skf_vd int_ll = len * third * vd_fma(b1, b1 + b2, b2 * b2);
+    skf_vd J = vd_fma(v->per_R2, vd_fma(cc, len, int_ll), len) - vd_set(2) * v->per_R * int_r;
+    skf_vd F = vd_fma(vd_set(3) * v->per_R2, vd_fma(cc + f->zz, len, int_ll), vd_set(6) * len);
+    F = vd_fma(d, vd_fnma(eight * v->per_R, int_r, F), -(eight * f->zz * v->per_R * th)) * vd_set(1. / 12);
+    skf_vd W = -(vd_fma(vd_set(2) * v->R, th, -(d * len)) * v->per_R2);
+    part[i] = (cone_part){(skf_vd)((skf_vi)F & e[i].in), (skf_vd)((skf_vi)W & e[i].in), (skf_vd)((skf_vi)J & e[i].in)};
+  }
 }
 
 /* By Gauss's rule, near the rim and from beyond: terms of the H-form, those of the G-form from beyond. The integrand's
@@ -99,12 +122,15 @@ SKF_INLINE cone_part cone_rule(const cone_view *v, const area_view *f, skf_vd d,
 SKF_INLINE void cone_add(const area_row *c, const area_view *f, const cone_view *v, skf_vi some, bool panels, double by,
                          area_sum *sum, skf_vi *good) {
   const skf_vd factor = (skf_vd)((skf_vi)vd_set(by) & some);
-  for (int i = 0; i < 3; i++) {
-    cut_view e = area_cut(c, f, i, v->power, v->rm, v->R);
-    skf_vi fine = vi_set(-1);
-    cone_part p = panels ? cone_rule(v, f, f->d[i], &e, some) : cone_closed(v, f, f->d[i], &e, &fine);
+  cut_view cut[3];
+  cone_part part[3];
+  SKF_EACH(i, 3) cut[i] = area_cut(c, f, (int)i, v->power, v->rm, v->R);
+  if (!panels) cone_closed(v, f, cut, part, good);
+  SKF_EACH(i, 3) {
+    const cut_view e = cut[i];
+    const cone_part p = panels ? cone_rule(v, f, f->d[i], &e, some) : part[i];
     skf_vd out = panels ? (skf_vd)((skf_vi)e.out & ~v->beyond) : e.out;
-    *good &= fine & ~e.rough;
+    *good &= ~e.rough;
     skf_vd F = factor * vd_fma(v->G0, out, p.F), Z = factor * (f->z * vd_fnma(v->b * v->b, out, p.W));
     sum->J[i] = vd_fma(factor, p.J, sum->J[i]);
     sum->F += F, sum->abs_F += vd_abs(F), sum->Z += Z, sum->abs_Z += vd_abs(Z);
