@@ -125,25 +125,27 @@ SKF_INLINE skf_vi disc_clear(const area_row *c, const area_view *f, const disc_a
   return clear;
 }
 
-SKF_INLINE skf_vvalue disc_triangle(bool soft, const area_row *c, skf_v3d x) {
+/* The lanes that are done are passed over. */
+SKF_INLINE skf_vvalue disc_triangle(bool soft, const area_row *c, skf_v3d x, skf_vi done) {
   area_view f = area_see(c, x);
   skf_vd zero = vd_set(0), R2 = c->param2, reach2 = vd_max(vd_max(f.r2[0], f.r2[1]), f.r2[2]);
   skf_vi finite = reach2 < vd_set(INFINITY);
   skf_vi off = f.dist2 > R2 * vd_set(1 + SKF_PICK(1e-3, 1e-2)), within = R2 - reach2 > R2 * vd_set(1. / 512);
+  within &= ~done;
   skf_vvalue v = {zero, {zero, zero, zero}, off & finite};
   if (vi_any(within))
     v = area_either(within, area_rule(soft ? AREA_SOFT : AREA_QUARTIC, c, &f, soft ? 4 : 3, finite), v);
-  skf_vi edges = ~(off | within);
+  skf_vi edges = ~(off | within | done);
   if (!vi_any(edges)) return v;
   disc_area disc = disc_see(soft, c, &f);
   skf_vi good = finite & disc_clear(c, &f, &disc);
   return area_either(edges, disc_edges(soft, false, c, &f, &disc, good), v);
 }
 
-SKF_INLINE skf_vvalue disc_triangle_beyond(bool soft, const area_row *c, skf_v3d x) {
+SKF_INLINE skf_vvalue disc_triangle_beyond(bool soft, const area_row *c, skf_v3d x, skf_vi done) {
   area_view f = area_see(c, x);
   disc_area disc = disc_see(soft, c, &f);
-  skf_vi good = disc_clear(c, &f, &disc) & disc.beyond;
+  skf_vi good = disc_clear(c, &f, &disc) & disc.beyond & ~done;
   if (!vi_any(good)) return (skf_vvalue){.good = good};
   return disc_edges(soft, true, c, &f, &disc, good);
 }
@@ -168,8 +170,8 @@ SKF_INLINE skf_vvalue compact_careful(bool soft, const compact_row *c, skf_v3d x
   skf_vvalue v = flat_careful(soft, &c->flat, x);
 #ifndef SKF_VEC_FLOAT
   const skf_vd by = c->area.T.strength;
-  if (!vi_all(v.good)) vv_take(&v, vv_scale(by, disc_triangle(soft, &c->area, x)));
-  if (!vi_all(v.good)) vv_take(&v, vv_scale(by, disc_triangle_beyond(soft, &c->area, x)));
+  if (!vi_all(v.good)) vv_take(&v, vv_scale(by, disc_triangle(soft, &c->area, x, v.good)));
+  if (!vi_all(v.good)) vv_take(&v, vv_scale(by, disc_triangle_beyond(soft, &c->area, x, v.good)));
 #endif
   return v;
 }
