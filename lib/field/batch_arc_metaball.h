@@ -74,45 +74,81 @@ SKF_INLINE void core_add(const compact_arc_row *c, const arc_view *f, const shel
 /* An interval in the shell, `by` times: h = 3/2 m^2, m = 1 - r / R. With tan chi = N / D, N and D linear in t from -1
    to 1, dchi = const dt / (N^2 + D^2); the ratio of the ends' weights, a free choice, keeps r = 0 and tan chi = +-i,
    where this is not smooth, far off: mostly less than 1e-16 is left, 4e-16 at worst. */
-SKF_INLINE void shell_add(const compact_arc_row *c, const arc_view *f, const shells_view *v, angle_view lo,
-                          angle_view hi, skf_vd by, arc_sum *sum) {
-  enum { NODES = SKF_COUNT(24, 12) };
+typedef struct shell_view {
+  skf_vd N0, N1, D0, D1, U0, U1, V0, V1, by;
+  skf_vi some;
+} shell_view;
+
+SKF_INLINE shell_view arc_shell(const arc_view *f, const shells_view *v, angle_view lo, angle_view hi, skf_vd by) {
   const disc_view *d = &v->disc;
   lo = angle_max(lo, v->core), hi = angle_min(hi, v->rim);
   skf_vd zero = vd_set(0), one = vd_set(1), gap = angle_gap(lo, hi);
-  skf_vi some = d->some & (gap > zero);
-  if (!vi_any(some)) return;
+  shell_view w = {.some = d->some & (gap > zero)};
   skf_vd low2 = vd_fma(f->alpha, lo.c * lo.c, f->beta * (lo.s * lo.s));
   skf_vd high2 = vd_fma(f->alpha, hi.c * hi.c, f->beta * (hi.s * hi.s));
-  skf_vd scale = vd_fma(vd_set(0.47), low2 / vd_select(some, high2, one), vd_set(0.53));
+  skf_vd scale = vd_fma(vd_set(0.47), low2 / vd_select(w.some, high2, one), vd_set(0.53));
   hi.s *= scale, hi.c *= scale;
   /* cut: R^2 - r^2 = spread sin(rim - chi) sin(rim + chi) */
   skf_vd below = vd_max(angle_gap(lo, v->rim), zero), beside = vd_max(angle_gap(hi, v->rim), zero);
   skf_vd sum_lo = vd_fma(v->rim.s, lo.c, v->rim.c * lo.s), sum_hi = vd_fma(v->rim.s, hi.c, v->rim.c * hi.s);
-  skf_vd N0 = lo.s + hi.s, N1 = hi.s - lo.s, D0 = lo.c + hi.c, D1 = hi.c - lo.c;
-  skf_vd U0 = below + beside, U1 = beside - below, V0 = (sum_lo + sum_hi) * d->spread,
-         V1 = (sum_hi - sum_lo) * d->spread;
-  const skf_gauss_node *node = skf_gauss_rule(NODES);
-  skf_vd NN[NODES], DD[NODES], rp[NODES], e[NODES];
-  arc_sum s = {zero, zero, zero};
-  /* thrice: what waits for roots and quotients would fill the scheduler */
-  SKF_ROLLED for (int j = 0; j < NODES; j++) {
-    skf_vd t = vd_set(node[j].x), N = vd_fma(t, N1, N0), D = vd_fma(t, D1, D0);
-    NN[j] = N * N, DD[j] = D * D;
-    rp[j] = vd_sqrt(vd_fma(f->alpha, DD[j], f->beta * NN[j]) * (NN[j] + DD[j]));
+  w.N0 = lo.s + hi.s, w.N1 = hi.s - lo.s, w.D0 = lo.c + hi.c, w.D1 = hi.c - lo.c;
+  w.U0 = below + beside, w.U1 = beside - below;
+  w.V0 = (sum_lo + sum_hi) * d->spread, w.V1 = (sum_hi - sum_lo) * d->spread;
+  w.by = by * (gap + gap) * scale;
+  return w;
+}
+
+/* A node's tan chi = N / D: N^2, D^2, r p where p = N^2 + D^2, and what is made of them */
+enum { SHELL_NODES = SKF_COUNT(24, 12) };
+typedef struct shell_node {
+  skf_vd NN, DD, rp, e;
+} shell_node;
+
+SKF_INLINE void shell_root(const arc_view *f, const shell_view *w, double at, shell_node *n) {
+  skf_vd t = vd_set(at), N = vd_fma(t, w->N1, w->N0), D = vd_fma(t, w->D1, w->D0);
+  n->NN = N * N, n->DD = D * D;
+  n->rp = vd_sqrt(vd_fma(f->alpha, n->DD, f->beta * n->NN) * (n->NN + n->DD));
+}
+
+SKF_INLINE void shell_quotient(const compact_arc_row *c, const disc_view *d, const shell_view *w, double at,
+                               shell_node *n) {
+  skf_vd t = vd_set(at), p = n->NN + n->DD, uncut = vd_fma(d->qa, n->DD, d->qb * n->NN);
+  skf_vd q = vd_select(d->cut, vd_fma(t, w->U1, w->U0) * vd_fma(t, w->V1, w->V0), uncut); /* p (R^2 - r^2) */
+  n->e = q / (vd_fma(c->R, p, n->rp) * (n->rp * p));
+}
+
+SKF_INLINE void shell_sum(double weight, const shell_node *n, arc_sum *s) {
+  skf_vd w = vd_set(weight), we = w * n->e, up = n->e * n->rp;
+  s->F = vd_fma(w * (n->NN + n->DD), up * up, s->F);
+  s->cc = vd_fma(we, n->DD, s->cc), s->ss = vd_fma(we, n->NN, s->ss);
+}
+
+SKF_INLINE void shell_end(const compact_arc_row *c, const shell_view *w, arc_sum *s, arc_sum *sum) {
+  s->F *= vd_set(1.5) * c->per_R * c->per_R;
+  arc_sum_add(sum, s, w->by, w->some);
+}
+
+/* Loop after loop: what waits for roots and quotients would fill the scheduler. */
+SKF_INLINE void shells_add(const compact_arc_row *c, const arc_view *f, const disc_view *d, const shell_view *a,
+                           const shell_view *b, arc_sum *sum) {
+  const skf_gauss_node *node = skf_gauss_rule(SHELL_NODES);
+  shell_node n[SHELL_NODES], m[SHELL_NODES];
+  const skf_vd zero = vd_set(0);
+  arc_sum s = {zero, zero, zero}, t = s;
+  SKF_ROLLED for (int j = 0; j < SHELL_NODES; j++) shell_root(f, a, node[j].x, n + j);
+  SKF_ROLLED for (int j = 0; j < SHELL_NODES; j++) shell_quotient(c, d, a, node[j].x, n + j);
+  if (!b) {
+    SKF_ROLLED for (int j = 0; j < SHELL_NODES; j++) shell_sum(node[j].w, n + j, &s);
+    shell_end(c, a, &s, sum);
+    return;
   }
-  SKF_ROLLED for (int j = 0; j < NODES; j++) {
-    skf_vd t = vd_set(node[j].x), p = NN[j] + DD[j], uncut = vd_fma(d->qa, DD[j], d->qb * NN[j]);
-    skf_vd q = vd_select(d->cut, vd_fma(t, U1, U0) * vd_fma(t, V1, V0), uncut); /* p (R^2 - r^2) */
-    e[j] = q / (vd_fma(c->R, p, rp[j]) * (rp[j] * p));
+  SKF_ROLLED for (int j = 0; j < SHELL_NODES; j++) {
+    shell_root(f, b, node[j].x, m + j);
+    shell_sum(node[j].w, n + j, &s);
   }
-  SKF_ROLLED for (int j = 0; j < NODES; j++) {
-    skf_vd w = vd_set(node[j].w), we = w * e[j], up = e[j] * rp[j];
-    s.F = vd_fma(w * (NN[j] + DD[j]), up * up, s.F);
-    s.cc = vd_fma(we, DD[j], s.cc), s.ss = vd_fma(we, NN[j], s.ss);
-  }
-  s.F *= vd_set(1.5) * c->per_R * c->per_R;
-  arc_sum_add(sum, &s, by * (gap + gap) * scale, some);
+  SKF_ROLLED for (int j = 0; j < SHELL_NODES; j++) shell_quotient(c, d, b, node[j].x, m + j);
+  SKF_ROLLED for (int j = 0; j < SHELL_NODES; j++) shell_sum(node[j].w, m + j, &t);
+  shell_end(c, a, &s, sum), shell_end(c, b, &t, sum);
 }
 
 /* What an arc comes to in [0, pi / 2]: from a to b `first` times and from c to d `second` times. */
@@ -141,12 +177,6 @@ SKF_INLINE fold_view arc_fold(const ends_view *t) {
   v.first = vd_select(once | same, one, -one);
   v.second = vd_select(once, one, vd_select(same, zero, one + one));
   return v;
-}
-
-SKF_INLINE void interval_add(const compact_arc_row *c, const arc_view *f, const shells_view *v, angle_view lo,
-                             angle_view hi, skf_vd by, arc_sum *sum) {
-  if (vi_any(v->cored)) core_add(c, f, v, lo, hi, by, sum);
-  shell_add(c, f, v, lo, hi, by, sum);
 }
 
 /* rho (h(r0) - h(r1)) / k as arc_ends in metaball.c; near: where R^2 - r^2 of an end cancels */
@@ -181,8 +211,9 @@ SKF_OUTLINE skf_vvalue metaball_arc(const compact_arc_row *c, skf_v3d x) {
   if (!vi_any(v.disc.some)) return compact_finish(c, &f, &v.disc, &s, slope, zero);
   ends_view t = arc_ends(&c->arc, &f);
   fold_view w = arc_fold(&t);
-  interval_add(c, &f, &v, w.a, w.b, w.first, &s);
-  interval_add(c, &f, &v, w.c, w.d, w.second, &s);
+  if (vi_any(v.cored)) core_add(c, &f, &v, w.a, w.b, w.first, &s), core_add(c, &f, &v, w.c, w.d, w.second, &s);
+  shell_view first = arc_shell(&f, &v, w.a, w.b, w.first), second = arc_shell(&f, &v, w.c, w.d, w.second);
+  shells_add(c, &f, &v.disc, &first, &second, &s);
   return compact_finish(c, &f, &v.disc, &s, slope, arc_shell_ends(c, &f, &v, &t));
 }
 
@@ -191,7 +222,10 @@ SKF_OUTLINE skf_vvalue metaball_circle(const compact_arc_row *c, skf_v3d x) {
   shells_view v = arc_shells(c, &f);
   skf_vd zero = vd_set(0), one = vd_set(1), slope = vd_set(-3) * c->per_R * c->per_R;
   arc_sum s = {zero, zero, zero};
-  interval_add(c, &f, &v, (angle_view){zero, one}, (angle_view){one, zero}, vd_set(2), &s);
+  const angle_view none = {zero, one}, right = {one, zero};
+  if (vi_any(v.cored)) core_add(c, &f, &v, none, right, vd_set(2), &s);
+  shell_view shell = arc_shell(&f, &v, none, right, vd_set(2));
+  if (vi_any(shell.some)) shells_add(c, &f, &v.disc, &shell, NULL, &s);
   return compact_finish(c, &f, &v.disc, &s, slope, zero);
 }
 
