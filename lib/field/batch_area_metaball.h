@@ -80,42 +80,82 @@ SKF_INLINE void cone_closed(const cone_view *v, const area_view *f, const cut_vi
   }
 }
 
-/* By Gauss's rule, near the rim and from beyond: terms of the H-form, those of the G-form from beyond. The integrand's
-   singularities are as far from the edge's line as the point or from beyond the foot, 0.57 R or 0.57 of the disc's
-   radius at least. */
-SKF_INLINE cone_part cone_rule(const cone_view *v, const area_view *f, skf_vd d, const cut_view *e, skf_vi some) {
-  enum { NODES = SKF_COUNT(28, 12) }; /* 1e-16, 1e-6 */
-  const skf_gauss_node *node = skf_gauss_rule(NODES);
-  const skf_vd zero = vd_set(0), one = vd_set(1), three = vd_set(3), four = vd_set(4), b = v->b;
-  const skf_vd half = vd_set(0.5) * (e->b2 - e->b1), mid = vd_set(0.5) * (e->b1 + e->b2);
-  const skf_vd dd = d * d, cc = dd + f->zz;
-  const skf_vi in = some & e->in;
-  skf_vd u[NODES], inv[NODES];
-  cone_part sum = {zero, zero, zero};
-  if (!vi_any(in)) return sum;
-  /* thrice: what waits for roots and quotients would fill the scheduler */
-  SKF_ROLLED for (int j = 0; j < NODES; j++) {
-    skf_vd l = vd_fma(half, vd_set(node[j].x), mid);
-    u[j] = vd_sqrt(vd_fma(l, l, cc));
+/* The same by Gauss's rule, near the rim and from beyond, lengths over R: terms of the H-form, those of the G-form from
+   beyond. The integrand's singularities are as far from the edge's line as the point or from beyond the foot, 0.57 R or
+   0.57 of the disc's radius at least: 1e-16, in floats 1e-6 are left. */
+enum { CONE_NODES = SKF_COUNT(28, 12) };
+typedef struct cone_node {
+  skf_vd u, q, inv;
+} cone_node;
+typedef struct cone_piece {
+  skf_vd half, mid, dd, cc, chord;
+  cone_part sum;
+} cone_piece;
+
+SKF_INLINE skf_vd cone_at(const cone_piece *e, double at) { return vd_fma(e->half, vd_set(at), e->mid); }
+SKF_INLINE void cone_root(const cone_piece *e, double at, cone_node *n) {
+  skf_vd l = cone_at(e, at);
+  n->u = vd_sqrt(vd_fma(l, l, e->cc));
+}
+SKF_INLINE void cone_quotient(const cone_view *v, const cone_piece *e, double at, cone_node *n) {
+  skf_vd l = cone_at(e, at), one = vd_set(1);
+  n->q = vd_select(v->beyond, vd_fma(l, l, e->dd), n->u + v->w), n->inv = one / ((one + n->u) * n->q);
+}
+SKF_INLINE void cone_sum(const cone_view *v, const cone_piece *e, double at, double weight, const cone_node *n,
+                         cone_part *sum) {
+  skf_vd l = cone_at(e, at), w = vd_set(weight), by = w * vd_fma(n->u, n->inv, n->inv), b = v->b;
+  skf_vd a = (e->chord - l) * (e->chord + l) * (n->q * n->inv), aa = a * a, s = a + b;
+  skf_vd near = vd_fms(vd_set(4), vd_fma(b, s, aa), vd_set(3) * s * vd_fma(b, b, aa));
+  skf_vd F = vd_select(v->beyond, aa * a * vd_fnma(vd_set(3), a, vd_set(4)), near);
+  sum->F = vd_fma(by, F, sum->F), sum->W = vd_fma(by, vd_select(v->beyond, aa, s), sum->W);
+  sum->J = vd_fma(w, aa, sum->J);
+}
+
+/* Loop after loop: what waits for roots and quotients would fill the scheduler. */
+SKF_INLINE void cone_rule(const cone_view *v, const area_view *f, const cut_view cut[3], skf_vi some,
+                          cone_part part[3]) {
+  const skf_gauss_node *node = skf_gauss_rule(CONE_NODES);
+  const skf_vd zero = vd_set(0);
+  cone_node n[CONE_NODES];
+  cone_piece piece[3];
+  size_t edge[3], count = 0;
+  for (size_t i = 0; i < 3; i++) {
+    const cut_view *e = cut + i;
+    const skf_vd half = vd_set(0.5) * v->per_R, d = v->per_R * f->d[i], z = v->per_R * f->z;
+    part[i] = (cone_part){zero, zero, zero};
+    if (!vi_any(some & e->in)) continue;
+    piece[count] = (cone_piece){half * (e->b2 - e->b1), half * (e->b1 + e->b2), d * d,
+                                vd_fma(d, d, z * z),    v->per_R * e->chord,    part[i]};
+    edge[count++] = i;
   }
-  SKF_ROLLED for (int j = 0; j < NODES; j++) {
-    skf_vd l = vd_fma(half, vd_set(node[j].x), mid);
-    u[j] *= v->per_R;
-    inv[j] = one / ((one + u[j]) * vd_select(v->beyond, vd_fma(l, l, dd), u[j] + v->w));
+  SKF_ROLLED for (size_t k = 0; k < count; k++) {
+    const cone_piece e = piece[k];
+    if (k == 0) {
+      SKF_ROLLED for (int j = 0; j < CONE_NODES; j++) cone_root(&e, node[j].x, n + j);
+    } else {
+      const cone_piece last = piece[k - 1];
+      cone_part sum = last.sum;
+      SKF_ROLLED for (int j = 0; j < CONE_NODES; j++) {
+        cone_sum(v, &last, node[j].x, node[j].w, n + j, &sum);
+        cone_root(&e, node[j].x, n + j);
+      }
+      piece[k - 1].sum = sum;
+    }
+    SKF_ROLLED for (int j = 0; j < CONE_NODES; j++) cone_quotient(v, &e, node[j].x, n + j);
   }
-  SKF_ROLLED for (int j = 0; j < NODES; j++) {
-    skf_vd l = vd_fma(half, vd_set(node[j].x), mid), w = vd_set(node[j].w);
-    skf_vd q = vd_select(v->beyond, vd_fma(l, l, dd), u[j] + v->w), by = w * ((one + u[j]) * inv[j]);
-    skf_vd a = (e->chord - l) * (e->chord + l) * (q * inv[j]) * v->per_R2, aa = a * a, ab = a + b;
-    skf_vd near = vd_fms(four, vd_fma(b, ab, aa), three * ab * vd_fma(b, b, aa));
-    skf_vd F = vd_select(v->beyond, aa * a * vd_fnma(three, a, four), near);
-    sum.F = vd_fma(by, F, sum.F), sum.W = vd_fma(by, vd_select(v->beyond, aa, ab), sum.W);
-    sum.J = vd_fma(w, aa, sum.J);
+  if (count > 0) {
+    const cone_piece last = piece[count - 1];
+    cone_part sum = last.sum;
+    SKF_ROLLED for (int j = 0; j < CONE_NODES; j++) cone_sum(v, &last, node[j].x, node[j].w, n + j, &sum);
+    piece[count - 1].sum = sum;
   }
-  skf_vd to = (skf_vd)((skf_vi)half & in), size = d * to, by_F = vd_set(1. / 12) * size;
-  sum.F *= vd_select(v->beyond, -(by_F * v->R2), by_F), sum.W *= vd_select(v->beyond, size, -(size * v->per_R2));
-  sum.J *= to;
-  return sum;
+  for (size_t k = 0; k < count; k++) {
+    const cone_part *s = &piece[k].sum;
+    skf_vd half = v->R * (skf_vd)((skf_vi)piece[k].half & some & cut[edge[k]].in), size = f->d[edge[k]] * half;
+    skf_vd F = vd_set(1. / 12) * size * s->F, W = -(size * s->W) * v->per_R2;
+    F = vd_select(v->beyond, -F, F), W = vd_select(v->beyond, -W, W);
+    part[edge[k]] = (cone_part){F, W, half * s->J};
+  }
 }
 
 /* Adds `by` times what the edges give in `some`, by the rule or in closed form; not good where that has cancelled. */
@@ -125,10 +165,13 @@ SKF_INLINE void cone_add(const area_row *c, const area_view *f, const cone_view 
   cut_view cut[3];
   cone_part part[3];
   SKF_EACH(i, 3) cut[i] = area_cut(c, f, (int)i, v->power, v->rm, v->R);
-  if (!panels) cone_closed(v, f, cut, part, good);
+  if (panels)
+    cone_rule(v, f, cut, some, part);
+  else
+    cone_closed(v, f, cut, part, good);
   SKF_EACH(i, 3) {
     const cut_view e = cut[i];
-    const cone_part p = panels ? cone_rule(v, f, f->d[i], &e, some) : part[i];
+    const cone_part p = part[i];
     skf_vd out = panels ? (skf_vd)((skf_vi)e.out & ~v->beyond) : e.out;
     *good &= ~e.rough;
     skf_vd F = factor * vd_fma(v->G0, out, p.F), Z = factor * (f->z * vd_fnma(v->b * v->b, out, p.W));
