@@ -404,7 +404,8 @@ static inline void NAME(careful_compact_arc)(bool soft, const NAME(body) * c, co
   NAME(view_out)(c, &f, h, per * g, per * gc, NAME(compact_h)(soft, m0), NAME(compact_h)(soft, m1), out);
 }
 
-/* Two pieces of an arc, where r grows all along: the core is integrated in closed form, the shell by Gauss's rule. */
+/* Two pieces of an arc, where r grows all along: the core is integrated in closed form, the shell by Gauss's rule, with
+   as many nodes as in lib/field/batch_arc_metaball.h. */
 static inline void NAME(metaball_arc)(const NAME(body) * c, const V x[3], V out[4]) {
   enum { PANELS = sizeof(REAL) > 8 ? 4 : 1, NODES = 24 };
   const skf_gauss_node *node = skf_gauss_rule(NODES);
