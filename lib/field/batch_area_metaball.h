@@ -32,7 +32,7 @@ SKF_INLINE cone_view cone_see(const area_row *c, const area_view *f, double scal
    ends. They would cancel where the disc is a small cap. Step by step for all edges, whose roots and quotients take
    long. */
 typedef struct cone_edge {
-  skf_vd b1, b2, len, cc, r1, r2, near, beside, base;
+  skf_vd b1, b2, len, cc, r1, r2, near, beside;
   skf_vlog log;
   skf_vangle angle;
   skf_vd t_log, t_angle, sign;
@@ -159,42 +159,42 @@ SKF_INLINE void cone_rule(const cone_view *v, const area_view *f, const cut_view
 }
 
 /* Adds `by` times what the edges give in `some`, by the rule or in closed form; not good where that has cancelled. */
-SKF_INLINE void cone_add(const area_row *c, const area_view *f, const cone_view *v, skf_vi some, bool panels, double by,
-                         area_sum *sum, skf_vi *good) {
+SKF_INLINE void cone_add(const area_row *c, const area_view *f, const cone_view *v, skf_vi some, bool careful,
+                         double by, area_sum *sum, skf_vi *good) {
   const skf_vd factor = (skf_vd)((skf_vi)vd_set(by) & some);
   cut_view cut[3];
   cone_part part[3];
   SKF_EACH(i, 3) cut[i] = area_cut(c, f, (int)i, v->power, v->rm, v->R);
-  if (panels)
+  if (careful)
     cone_rule(v, f, cut, some, part);
   else
     cone_closed(v, f, cut, part, good);
   SKF_EACH(i, 3) {
     const cut_view e = cut[i];
     const cone_part p = part[i];
-    skf_vd out = panels ? (skf_vd)((skf_vi)e.out & ~v->beyond) : e.out;
+    skf_vd out = careful ? (skf_vd)((skf_vi)e.out & ~v->beyond) : e.out;
     *good &= ~e.rough;
     skf_vd F = factor * vd_fma(v->G0, out, p.F), Z = factor * (f->z * vd_fnma(v->b * v->b, out, p.W));
     sum->J[i] = vd_fma(factor, p.J, sum->J[i]);
     sum->F += F, sum->abs_F += vd_abs(F), sum->Z += Z, sum->abs_Z += vd_abs(Z);
 #ifdef SKF_VEC_FLOAT /* J, too, has cancelled */
-    if (!panels) sum->abs_Z += vd_abs((skf_vd)((skf_vi)(factor * (e.b2 - e.b1)) & e.in));
+    if (!careful) sum->abs_Z += vd_abs((skf_vd)((skf_vi)(factor * (e.b2 - e.b1)) & e.in));
 #endif
   }
 }
 
-/* Together: at the rim of R / 3 its cone, small then, may cancel; where that of R does, it is not reached. By panels
+/* Together: at the rim of R / 3 its cone, small then, may cancel; where that of R does, it is not reached. Carefully
    those lanes alone. */
-SKF_INLINE skf_vvalue metaball_edges(const area_row *c, const area_view *f, skf_vi cones, bool panels) {
+SKF_INLINE skf_vvalue metaball_edges(const area_row *c, const area_view *f, skf_vi cones, bool careful) {
   const cone_view outer = cone_see(c, f, 1);
   skf_vd zero = vd_set(0), R2 = outer.R2;
   area_sum sum = {zero, zero, {zero, zero, zero}, zero, zero};
   skf_vi clear = f->dist2 < R2 * vd_set(1 - SKF_PICK(1e-3, 1e-5)), inside = cones & (vd_set(9) * f->dist2 < R2);
   for (int i = 0; i < 3; i++) clear &= vd_set(SKF_PICK(1024, 1e6)) * vd_abs(outer.power[i]) > R2;
   skf_vi cancels = outer.rim | ((int)SKF_PICK(0, 1) ? outer.beyond : vi_set(0));
-  skf_vi good = clear & cones & (panels ? outer.rim | outer.beyond : ~cancels);
-  cone_add(c, f, &outer, panels ? good : cones, panels, 1.5, &sum, &good);
-  if (!panels && vi_any(inside)) {
+  skf_vi good = clear & cones & (careful ? outer.rim | outer.beyond : ~cancels);
+  cone_add(c, f, &outer, careful ? good : cones, careful, 1.5, &sum, &good);
+  if (!careful && vi_any(inside)) {
     const cone_view inner = cone_see(c, f, 1. / 3);
     skf_vi fine = vi_set(-1);
     cone_add(c, f, &inner, inside, false, -0.5, &sum, &fine);
@@ -205,7 +205,7 @@ SKF_INLINE skf_vvalue metaball_edges(const area_row *c, const area_view *f, skf_
   return area_gather_lossy(c, f, &sum, loss, (double)SKF_PICK(0, 1.5), good);
 }
 
-SKF_INLINE skf_vvalue metaball_cones(const area_row *c, skf_v3d x, bool panels) {
+SKF_INLINE skf_vvalue metaball_cones(const area_row *c, skf_v3d x, bool careful) {
   area_view f = area_see(c, x);
   skf_vd zero = vd_set(0), R2 = c->param2, reach2 = vd_max(vd_max(f.r2[0], f.r2[1]), f.r2[2]);
   skf_vi finite = reach2 < vd_set(INFINITY), core = vd_set(9) * reach2 < R2;
@@ -213,7 +213,7 @@ SKF_INLINE skf_vvalue metaball_cones(const area_row *c, skf_v3d x, bool panels) 
   skf_vvalue v = {zero, {zero, zero, zero}, off};
   if (vi_any(core)) v = area_either(core, area_rule(AREA_CORE, c, &f, 2, core), v);
   if (!vi_any(cones)) return v;
-  skf_vvalue w = metaball_edges(c, &f, cones, panels);
+  skf_vvalue w = metaball_edges(c, &f, cones, careful);
   /* all in the support and far, in the shell alone; in floats always so */
   skf_vi far = (reach2 < vd_set(0.99) * R2) & (f.dist2 > vd_set(2.25) * (c->diam * c->diam)) & cones &
                (vd_set(9) * f.dist2 > R2);
@@ -221,7 +221,7 @@ SKF_INLINE skf_vvalue metaball_cones(const area_row *c, skf_v3d x, bool panels) 
     w.good &= ~far;
   else
     far &= ~w.good;
-  if (panels && vi_any(far))
+  if (careful && vi_any(far))
     w = area_either(far, vv_scale(vd_set(1.5), area_rule(AREA_CONE, c, &f, MIDDLE_NODES, far)), w);
   return area_either(cones, w, v);
 }
