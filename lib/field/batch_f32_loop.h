@@ -135,8 +135,8 @@ static void batch_keep(size_t n, const float *F, const float *v, float *out) {
     skf_v3d x[4];                                                                                                      \
     skf_vd w[4], F[4], slope[4];                                                                                       \
     SKF_EACH(u, n) x[u] = points_load(from, i + u * SKF_LANES);                                                        \
-    way##_gauge(row, mode, n, x, w);                                                                                   \
-    if (__builtin_expect(!vi_all(name##_of(row, n, w, F, slope)), 0)) {                                                \
+    const skf_vi sure = way##_gauge(row, mode, n, x, w);                                                               \
+    if (__builtin_expect(!vi_all(name##_of(row, n, w, F, slope) & sure), 0)) {                                         \
       for (size_t u = 0; u < n; u++)                                                                                   \
         name##_keep(tile, j, p, i + u * SKF_LANES, by, name##_value(row, points_load(p, i + u * SKF_LANES)), sum);     \
       return;                                                                                                          \

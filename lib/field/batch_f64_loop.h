@@ -275,11 +275,12 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
 
 /* What the loops over one measure have in common: NAME_fast does all points but the last few */
 #define SKF_BATCH_MEASURES(name, way)                                                                                  \
-  SKF_INLINE void name##_gauge(const name##_row *row, int mode, size_t n, const double *const p[3], size_t i,          \
-                               skf_vd *w) {                                                                            \
+  SKF_BATCH_APART(name)                                                                                                \
+  SKF_INLINE skf_vi name##_gauge(const name##_row *row, int mode, size_t n, const double *const p[3], size_t i,        \
+                                 skf_vd *w) {                                                                          \
     skf_v3d x[4];                                                                                                      \
     SKF_EACH(u, n) x[u] = points_load(p, i + u * SKF_LANES);                                                           \
-    way##_gauge(row, mode, n, x, w);                                                                                   \
+    return way##_gauge(row, mode, n, x, w);                                                                            \
   }                                                                                                                    \
   SKF_INLINE void name##_keep(const name##_row *row, size_t n, const double *const p[3], size_t i, const skf_vd *F,    \
                               const skf_vd *slope, double *const out[4], bool more) {                                  \
@@ -314,34 +315,43 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
 
 /* Four vectors at once; the next are measured while these wait for their own results */
 #define SKF_BATCH_FOURS(name, way)                                                                                     \
-  SKF_BATCH_APART(name)                                                                                                \
   SKF_BATCH_MEASURES(name, way)                                                                                        \
+  SKF_BATCH_BY_FOURS(name)                                                                                             \
   SKF_INLINE size_t name##_fast(const skf_tile *tile, size_t j, const name##_row *row, int mode, size_t n,             \
                                 const double *const p[3], const double *const from[3], double *const out[4],           \
                                 bool more) {                                                                           \
+    return name##_fours(tile, j, row, mode, n, p, from, out, more);                                                    \
+  }                                                                                                                    \
+  SKF_BATCH_ALL(name, way)
+
+#define SKF_BATCH_BY_FOURS(name)                                                                                       \
+  SKF_INLINE size_t name##_fours(const skf_tile *tile, size_t j, const name##_row *row, int mode, size_t n,            \
+                                 const double *const p[3], const double *const from[3], double *const out[4],          \
+                                 bool more) {                                                                          \
     const size_t step = 4 * SKF_LANES;                                                                                 \
     size_t i = 0;                                                                                                      \
     skf_vd w[4], ahead[4], F[4], slope[4];                                                                             \
     if (n < step) return 0;                                                                                            \
-    name##_gauge(row, mode, 4, from, 0, w);                                                                            \
+    bool sure = vi_all(name##_gauge(row, mode, 4, from, 0, w));                                                        \
     for (; i + step <= n; i += step) {                                                                                 \
-      name##_gauge(row, mode, 4, from, index_hide(i + 2 * step <= n ? i + step : i), ahead);                           \
+      const size_t to = index_hide(i + 2 * step <= n ? i + step : i);                                                  \
+      const bool next = vi_all(name##_gauge(row, mode, 4, from, to, ahead));                                           \
       i = index_hide(i);                                                                                               \
-      if (__builtin_expect(vi_all(name##_of(row, 4, w, F, slope)), 1))                                                 \
+      if (__builtin_expect(vi_all(name##_of(row, 4, w, F, slope)) & sure, 1))                                          \
         name##_keep(row, 4, p, i, F, slope, out, more);                                                                \
       else                                                                                                             \
         name##_apart(tile, j, 4, p, i, out, more);                                                                     \
       SKF_EACH(u, 4) w[u] = ahead[u];                                                                                  \
+      sure = next;                                                                                                     \
     }                                                                                                                  \
     return i;                                                                                                          \
-  }                                                                                                                    \
-  SKF_BATCH_ALL(name, way)
+  }
 
 /* One vector ends while five others are late, in the middle, begun and measured, these by twos: no chain of operations
-   is then longer than what the processor looks ahead. */
+   is then longer than what the processor looks ahead. Where measuring takes more, four at once. */
 #define SKF_BATCH_ONE_BY_ONE(name, way)                                                                                \
-  SKF_BATCH_APART(name)                                                                                                \
   SKF_BATCH_MEASURES(name, way)                                                                                        \
+  SKF_BATCH_BY_FOURS(name)                                                                                             \
   SKF_INLINE size_t name##_fast(const skf_tile *tile, size_t j, const name##_row *row, int mode, size_t n,             \
                                 const double *const p[3], const double *const from[3], double *const out[4],           \
                                 bool more) {                                                                           \
@@ -349,6 +359,7 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
     size_t i = 0;                                                                                                      \
     skf_vd w[2], next[2], F, slope;                                                                                    \
     name##_state begun, there, late;                                                                                   \
+    if (mode == SKF_MIXED) return name##_fours(tile, j, row, mode, n, p, from, out, more);                             \
     if (n < 6 * step) return 0;                                                                                        \
     name##_gauge(row, mode, 2, from, 0, w);                                                                            \
     name##_begin(row, w[0], &late);                                                                                    \

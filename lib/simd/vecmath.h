@@ -110,7 +110,8 @@ SKF_INLINE skf_vlog vd_log_one(skf_vd a) {
 #else
   skf_vi k = (skf_vi)((skf_vu)bits >> SKF_MANTISSA);
   skf_vd count = (skf_vd)(k | vi_set(0x4330000000000000)) - vd_set(0x1p52 + SKF_BIAS);
-  skf_vd near = (skf_vd)((skf_vi)a - (k << SKF_MANTISSA) + vi_set((long long)SKF_BIAS << SKF_MANTISSA));
+  skf_vi part = bits & vi_set((1ll << SKF_MANTISSA) - 1);
+  skf_vd near = (skf_vd)(part + vi_set(((long long)SKF_BIAS << SKF_MANTISSA) - (19ll << (SKF_MANTISSA - 5))));
 #endif
   const skf_vd one = vd_held(vd_set(1));
   return (skf_vlog){count, near - one, near + one};
@@ -279,6 +280,15 @@ SKF_INLINE skf_vd vd_exp2_raise(skf_vd mantissa, skf_vd whole) {
 }
 
 SKF_INLINE skf_vd vd_exp2_end(const skf_vpower *e) { return vd_exp2_raise(vd_exp2_mantissa(e), e->whole); }
+
+/* The same times a factor, if the product is a normal number */
+SKF_INLINE skf_vd vd_exp2_times(const skf_vpower *e, skf_vd by) {
+#ifdef SKF_VEC_FLOAT
+  return by * vd_exp2_end(e);
+#else
+  return (skf_vd)((skf_vi)vd_fma(e->part, by, vd_set(0.5) * by) + ((skf_vi)e->whole << SKF_MANTISSA));
+#endif
+}
 
 SKF_INLINE skf_vd vd_exp2_product(skf_vd c, skf_vd x) {
   skf_vpower e = vd_exp2_begin(c, x);

@@ -200,8 +200,8 @@ SKF_API double skf_field_tensor_at(const skf_field *field, skf_vec3 p, skf_vec3 
    threads; the result does not depend on it, nor on a point's neighbours. SKF_ERR_NOMEM only where fields have
    expansions (skf_field_new_with). F and the gradient of most pairs are evaluated in vectors where the processor has
    AVX2 and FMA. They then differ from skf_field_at by 20 units of 1.1e-16 (segments 60, arcs 200, triangles 1000;
-   planes whose normal is along no axis 20 + 4 m, m <= 250 being how many times farther p is from `through` than from
-   it: less than what eight ulps of both move) at most, relative to |F| and max(|g|, |F| / distance), times how many
+   planes whose normal is along no axis 20 + 4 m, m <= 500 being how many times farther p is from the origin than from
+   it: less than what eight ulps of p move) at most, relative to |F| and max(|g|, |F| / distance), times how many
    times the field's own relative change exceeds the point's; in a field of several elements relative to the sum of
    theirs, not more where they cancel. (Eight at a time are added plainly, these sums without loss.) With
    SKELFIELD_ISA=scalar in the environment when the field is made they are the same bits. */

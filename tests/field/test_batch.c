@@ -63,12 +63,12 @@ static double difference(const skf_primitive *p, const cloud *a, const cloud *b,
   return fmax(fabs(b->F[i] - a->F[i]) / F, g) / (1 + G);
 }
 
-/* What field.h grants a plane whose normal is along no axis, by what it grants others: x is farther from the plane's
-   point than from the plane. */
+/* What field.h grants a plane whose normal is along no axis, by what it grants others: x is farther from the origin
+   than from the plane. */
 static double allowance(const skf_primitive *p, skf_vec3 x) {
   const skf_vec3 n = p->plane.normal;
   if (p->shape != SKF_PLANE || (n.x != 0) + (n.y != 0) + (n.z != 0) == 1) return 1;
-  return 1 + 0.2 * fmin(v3_norm(v3_sub(x, p->plane.through)) / skf_primitive_distance(p, x), 250);
+  return 1 + 0.2 * fmin(v3_norm(x) / skf_primitive_distance(p, x), 2000);
 }
 
 /* Whether some elements of this pair have a vector form */
@@ -182,6 +182,42 @@ static void test_chords(void **state) {
     }
   }
   print_message("metaballs along segments: %.0f ulps\n", worst / 1.1e-16);
+}
+
+/* Tilted planes next to and far from the origin, their points far along them, seen from next to them to far away. */
+static void test_tilted(void **state) {
+  (void)state;
+  uint64_t seed = 23;
+  static cloud a, b;
+  for (int k = 0; k < SKF_KERNEL_COUNT; k++) {
+    double worst = 0;
+    if (!has_form((skf_kernel_type)k, SKF_PLANE)) return;
+    for (int n = 0; n < 300; n++) {
+      const double scale = pow(10, rnd(&seed, -7, 7)), far = n % 3 ? scale * pow(10, rnd(&seed, -2, 6)) : 0;
+      const skf_vec3 normal = rnd_unit(&seed), along = v3_cross(normal, rnd_unit(&seed)), foot = v3_scale(far, normal);
+      skf_element e = {.kernel = {(skf_kernel_type)k, pow(10, rnd(&seed, -3, 3))}, .strength = n % 2 ? -0.7 : 1};
+      e.kernel.param *= skf_kernel_get(e.kernel.type)->compact ? scale : 1 / scale;
+      e.primitive.shape = SKF_PLANE;
+      e.primitive.plane.through = v3_mad(foot, n % 5 ? 0 : scale * pow(10, rnd(&seed, 0, 9)), along);
+      e.primitive.plane.normal = v3_scale(pow(10, rnd(&seed, -3, 3)), normal);
+      for (size_t i = 0; i < POINTS; i++) {
+        const double height = scale * rnd(&seed, -2, 2) * (i % 2 ? 1 : pow(10, rnd(&seed, -12, 2)));
+        skf_vec3 x = v3_add(v3_mad(foot, height, normal), rnd_vec(&seed, scale));
+        if (i % 2 == 0) x = v3_mad(x, height - v3_dot(normal, v3_sub(x, foot)), normal);
+        for (int c = 0; c < 3; c++) a.p[c][i] = v3_get(x, c);
+      }
+      eval_both(&e, &a, &b);
+      for (size_t i = 0; i < POINTS; i++) {
+        const skf_vec3 x = place(&a, i);
+        const double d = difference(&e.primitive, &a, &b, i) / allowance(&e.primitive, x);
+        if (!(d <= bound(SKF_PLANE)))
+          fail_msg("%s: %g units, %g from the plane, %g from the origin", skf_kernel_get(e.kernel.type)->name,
+                   d / 1.1e-16, skf_primitive_distance(&e.primitive, x), v3_norm(x));
+        worst = fmax(worst, d);
+      }
+    }
+    print_message("%s, tilted planes: %.0f ulps\n", skf_kernel_get((skf_kernel_type)k)->name, worst / 1.1e-16);
+  }
 }
 
 /* All pairs, some twice. */
@@ -406,10 +442,10 @@ static void test_eight(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_isas),   cmocka_unit_test(test_widths),
-                                     cmocka_unit_test(test_chords), cmocka_unit_test(test_axes),
-                                     cmocka_unit_test(test_place),  cmocka_unit_test(test_point),
-                                     cmocka_unit_test(test_sign),   cmocka_unit_test(test_infinite),
-                                     cmocka_unit_test(test_scalar), cmocka_unit_test(test_eight)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_isas),   cmocka_unit_test(test_widths), cmocka_unit_test(test_chords),
+      cmocka_unit_test(test_tilted), cmocka_unit_test(test_axes),   cmocka_unit_test(test_place),
+      cmocka_unit_test(test_point),  cmocka_unit_test(test_sign),   cmocka_unit_test(test_infinite),
+      cmocka_unit_test(test_scalar), cmocka_unit_test(test_eight)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
