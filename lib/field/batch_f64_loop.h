@@ -313,34 +313,36 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
   }                                                                                                                    \
   SKF_BATCH_WHOLE(name)
 
-/* Four vectors at once; the next are measured while these wait for their own results */
+/* Four vectors at once; the next are measured, if early, while these wait for their own results */
 #define SKF_BATCH_FOURS(name, way)                                                                                     \
   SKF_BATCH_MEASURES(name, way)                                                                                        \
   SKF_BATCH_BY_FOURS(name)                                                                                             \
   SKF_INLINE size_t name##_fast(const skf_tile *tile, size_t j, const name##_row *row, int mode, size_t n,             \
                                 const double *const p[3], const double *const from[3], double *const out[4],           \
                                 bool more) {                                                                           \
-    return name##_fours(tile, j, row, mode, n, p, from, out, more);                                                    \
+    return name##_fours(tile, j, row, mode, n, p, from, out, more, true);                                              \
   }                                                                                                                    \
   SKF_BATCH_ALL(name, way)
 
 #define SKF_BATCH_BY_FOURS(name)                                                                                       \
   SKF_INLINE size_t name##_fours(const skf_tile *tile, size_t j, const name##_row *row, int mode, size_t n,            \
                                  const double *const p[3], const double *const from[3], double *const out[4],          \
-                                 bool more) {                                                                          \
+                                 bool more, bool early) {                                                              \
     const size_t step = 4 * SKF_LANES;                                                                                 \
     size_t i = 0;                                                                                                      \
     skf_vd w[4], ahead[4], F[4], slope[4];                                                                             \
     if (n < step) return 0;                                                                                            \
-    bool sure = vi_all(name##_gauge(row, mode, 4, from, 0, w));                                                        \
+    bool sure = early && vi_all(name##_gauge(row, mode, 4, from, 0, w));                                               \
     for (; i + step <= n; i += step) {                                                                                 \
       const size_t to = index_hide(i + 2 * step <= n ? i + step : i);                                                  \
-      const bool next = vi_all(name##_gauge(row, mode, 4, from, to, ahead));                                           \
+      const bool next = early && vi_all(name##_gauge(row, mode, 4, from, to, ahead));                                  \
       i = index_hide(i);                                                                                               \
+      if (!early) sure = vi_all(name##_gauge(row, mode, 4, from, i, w));                                               \
       if (__builtin_expect(vi_all(name##_of(row, 4, w, F, slope)) & sure, 1))                                          \
         name##_keep(row, 4, p, i, F, slope, out, more);                                                                \
       else                                                                                                             \
         name##_apart(tile, j, 4, p, i, out, more);                                                                     \
+      if (!early) continue;                                                                                            \
       SKF_EACH(u, 4) w[u] = ahead[u];                                                                                  \
       sure = next;                                                                                                     \
     }                                                                                                                  \
@@ -359,7 +361,7 @@ SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? v
     size_t i = 0;                                                                                                      \
     skf_vd w[2], next[2], F, slope;                                                                                    \
     name##_state begun, there, late;                                                                                   \
-    if (mode == SKF_MIXED) return name##_fours(tile, j, row, mode, n, p, from, out, more);                             \
+    if (mode == SKF_MIXED) return name##_fours(tile, j, row, mode, n, p, from, out, more, way##_early);                \
     if (n < 6 * step) return 0;                                                                                        \
     name##_gauge(row, mode, 2, from, 0, w);                                                                            \
     name##_begin(row, w[0], &late);                                                                                    \

@@ -158,12 +158,15 @@ SKF_INLINE void row_spread(skf_vd *row, size_t n, const double *column, size_t j
    w from row->at, whence the gradient is along at - x; another has
      int WAY_mode(const ROW_row *)                      for a row in all lanes: SKF_PLAIN, or SKF_MIXED
      skf_vd WAY_measure(const ROW_row *, skf_v3d x)     whatever the rows
-     skf_vi WAY_gauge(const ROW_row *, int mode, size_t n, const skf_v3d *x, skf_vd *w)     the same, and the lanes
-   where that takes no more care WAY_first(row, p)                                  for SKF_PLAIN, which coordinates
-   WAY_gauge sees as x; for all others p[0] WAY_along(row, k, q)                               component k of the
-   gradient's direction, q pointing at x.k and the form, of up to four vectors, stage after stage, skf_vi NAME_of(const
-   ROW_row *, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope) which sets F and the factor of that direction and
-   returns the lanes good in all; never of a NaN. */
+     skf_vi WAY_gauge(const ROW_row *, int mode, size_t n, const skf_v3d *x, skf_vd *w)     the same; the lanes where no
+                                                                                            vector takes more care
+     WAY_first(row, p)                                  for SKF_PLAIN, which coordinates WAY_gauge sees as x; for all
+                                                        others p[0]
+     WAY_early                                          whether four vectors are measured before the last four end
+     WAY_along(row, k, q)                               component k of the gradient's direction, q pointing at x.k
+   and the form, of up to four vectors, stage after stage,
+     skf_vi NAME_of(const ROW_row *, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope)
+   which sets F and the factor of that direction and returns the lanes good in all; never of a NaN. */
 #define SKF_BATCH_MEASURED(name, row_name, way, again)                                                                 \
   SKF_BATCH_ALONG(name, row_name, way, again)                                                                          \
   SKF_BATCH_FOURS(name, way)
@@ -201,6 +204,7 @@ SKF_INLINE skf_vd vd_there(const void *p) {
   return v;
 }
 enum { SKF_MIXED, SKF_PLAIN };
+#define point_early                     true
 #define point_mode(row)                 SKF_PLAIN
 #define point_gauge(row, mode, n, x, w) ((void)(mode), squares_from((row)->at, n, x, w), vi_set(-1))
 #define point_first(row, p)             ((p)[0])

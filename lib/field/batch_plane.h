@@ -118,6 +118,8 @@ SKF_INLINE skf_vi plane_gauge_by(const plane_row *c, bool near, int mode, size_t
 #define plane_gauge(row, mode, n, x, z)      plane_gauge_by(row, false, mode, n, x, z)
 #define near_plane_measure(row, x)           plane_measure_by(row, true, x)
 #define near_plane_gauge(row, mode, n, x, z) plane_gauge_by(row, true, mode, n, x, z)
+#define plane_early                          true
+#define near_plane_early                     false /* its chains are short: registers matter more */
 #define near_plane_mode(row)                 plane_mode(row)
 #define near_plane_first(row, p)             plane_first(row, p)
 #define near_plane_along(row, k, q)          plane_along(row, k, q)
@@ -125,10 +127,12 @@ SKF_INLINE skf_vi plane_gauge_by(const plane_row *c, bool near, int mode, size_t
 #define plane_first(row, p)                  ((p)[vi_all(plane_aligned(row)) ? (int)(row)->axis[0] : 0])
 #define plane_along(row, k, q)               ((row)->along.k)
 
+/* Where all are finite: 0 times them, added, is 0 */
 SKF_INLINE skf_vi plane_finite(size_t n, const skf_vd *z) {
-  skf_vi good = vi_set(-1);
-  SKF_EACH(u, n) good &= z[u] - z[u] == vd_set(0);
-  return good;
+  const skf_vd zero = vd_set(0);
+  skf_vd sum = z[0] * zero;
+  for (size_t u = 1; u < n; u++) sum = vd_fma(z[u], zero, sum);
+  return sum == zero;
 }
 
 /* slope = z h, for Gaussians z F times the exponent */
