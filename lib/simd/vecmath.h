@@ -297,30 +297,26 @@ SKF_INLINE skf_vd vd_exp2_product(skf_vd c, skf_vd x) {
   return vd_exp2_end(&e);
 }
 
-/* 2^(c x) of n vectors side by side, stage after stage: so many chains, and no quotients, keep the processor busy
-   where nothing else waits; then the fewest products count, not the shortest chain. Returns the sum of the products'
-   whole parts: where they are not positive, a bound of each. */
-SKF_INLINE skf_vd vd_exp2_products(const size_t n, const skf_vd *c, const skf_vd *x, skf_vd *h) {
+/* 2^y of n vectors side by side, stage after stage: so many chains, and no quotients, keep the processor busy where
+   nothing else waits; then the fewest products count, not the shortest chain. */
+SKF_INLINE void vd_exp2_each(const size_t n, const skf_vd *y, skf_vd *h) {
 #ifdef SKF_VEC_FLOAT
   /* 2^f for |f| <= 1/2: 5e-9 */
   static const double p[] = {0.69314718802622878106,   0.24022650760568126945,   0.055503571142190778186,
                              0.0096180825572778514913, 0.0013390863364671234381, 0.00015453162945120690177};
-  const skf_vd shift = vd_set(0x1.8p23);
 #else
   /* the same: 2e-17 */
   static const double p[] = {0.69314718055994530942,     0.2402265069591009822,    0.055504108664821594339,
                              0.0096181291076068885273,   0.001333355814641693531,  0.00015403530441736050155,
                              0.000015252733829836118394, 1.3215442587921689653e-6, 1.0178062445845773521e-7,
                              7.0725859492692236999e-9,   4.4549605981865183938e-10};
-  const skf_vd shift = vd_set(0x1.8p52);
 #endif
-  skf_vd whole[4], f[4], sum = vd_set(0);
-  SKF_EACH(u, n) whole[u] = vd_fma(c[u], x[u], shift);
-  SKF_EACH(u, n) f[u] = whole[u] - shift, sum = u ? sum + f[u] : f[u];
-  SKF_EACH(u, n) f[u] = vd_fms(c[u], x[u], f[u]);
+  const skf_vd shift = vd_set(SKF_PICK(0x1.8p52, 0x1.8p23));
+  skf_vd whole[4], f[4];
+  SKF_EACH(u, n) whole[u] = y[u] + shift;
+  SKF_EACH(u, n) f[u] = y[u] - (whole[u] - shift);
   SKF_EACH(u, n) f[u] = vd_fma(vd_halves(p, sizeof p / sizeof *p, f[u]), f[u], vd_set(1));
   SKF_EACH(u, n) h[u] = (skf_vd)((skf_vi)f[u] + ((skf_vi)whole[u] << SKF_MANTISSA));
-  return sum;
 }
 
 /* exp(x) for |x| <= VD_EXP_MAX. */
