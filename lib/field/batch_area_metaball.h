@@ -32,7 +32,7 @@ SKF_INLINE cone_view cone_see(const area_row *c, const area_view *f, double scal
    ends. They would cancel where the disc is a small cap. Step by step for all edges, whose roots and quotients take
    long. */
 typedef struct cone_edge {
-  skf_vd b1, b2, len, cc, r1, r2, near, beside;
+  skf_vd b1, b2, len, cc, r1, r2, near, beside, moment; /* b2 r2 - b1 r1 */
   skf_vlog log;
   skf_vangle angle;
   skf_vd t_log, t_angle, sign;
@@ -51,6 +51,9 @@ SKF_INLINE void cone_closed(const cone_view *v, const area_view *f, const cut_vi
     skf_vd b1 = s[i].b1, b2 = s[i].b2, cc = s[i].cc, bb = b1 * b2;
     s[i].near = vd_fma(bb, bb, cc * vd_fma(b1, b1, b2 * b2)) / vd_fma(s[i].r1, s[i].r2, cc); /* r1 r2 - c^2 */
     s[i].beside = cc * vd_abs(b1 + b2) / vd_fma(vd_abs(b2), s[i].r1, vd_abs(b1) * s[i].r2);
+    /* without cancellation, where the edge is seen from far beside it, too */
+    skf_vd both = s[i].r1 + s[i].r2, mid = b1 + b2;
+    s[i].moment = vd_set(0.5) * (b2 - b1) * vd_fma(mid / both, mid, both);
   }
   SKF_EACH(i, 3) {
     skf_vd b1 = s[i].b1, b2 = s[i].b2, r1 = s[i].r1, r2 = s[i].r2, cc = s[i].cc, d = f->d[i], len = b2 - b1;
@@ -70,7 +73,7 @@ SKF_INLINE void cone_closed(const cone_view *v, const area_view *f, const cut_vi
     skf_vd b1 = s[i].b1, b2 = s[i].b2, cc = s[i].cc, d = f->d[i], len = s[i].len;
     skf_vd lam = vd_log_series(s[i].log.count, s[i].t_log), solid = vd_angle_series(s[i].angle.offset, s[i].t_angle);
     skf_vd th = vd_fma(d, lam, -(az * (skf_vd)((skf_vi)solid ^ (skf_vi)s[i].sign)));
-    skf_vd int_r = vd_set(0.5) * vd_fma(cc, lam, vd_fma(b2, s[i].r2, -(b1 * s[i].r1)));
+    skf_vd int_r = vd_set(0.5) * vd_fma(cc, lam, s[i].moment);
     skf_vd int_ll = len * third * vd_fma(b1, b1 + b2, b2 * b2);
     skf_vd J = vd_fma(v->per_R2, vd_fma(cc, len, int_ll), len) - vd_set(2) * v->per_R * int_r;
     skf_vd F = vd_fma(vd_set(3) * v->per_R2, vd_fma(cc + f->zz, len, int_ll), vd_set(6) * len);
@@ -158,9 +161,10 @@ SKF_INLINE void cone_rule(const cone_view *v, const area_view *f, const cut_view
   }
 }
 
-/* Adds `by` times what the edges give in `some`, by the rule or in closed form; not good where that has cancelled. */
+/* Adds `by` times what the edges give in `some`, by the rule or in closed form; not good where that has cancelled.
+   terms: a quarter of the sizes of what makes up J. */
 SKF_INLINE void cone_add(const area_row *c, const area_view *f, const cone_view *v, skf_vi some, bool careful,
-                         double by, area_sum *sum, skf_vi *good) {
+                         double by, area_sum *sum, skf_vd *terms, skf_vi *good) {
   const skf_vd factor = (skf_vd)((skf_vi)vd_set(by) & some);
   cut_view cut[3];
   cone_part part[3];
@@ -177,9 +181,7 @@ SKF_INLINE void cone_add(const area_row *c, const area_view *f, const cone_view 
     skf_vd F = factor * vd_fma(v->G0, out, p.F), Z = factor * (f->z * vd_fnma(v->b * v->b, out, p.W));
     sum->J[i] = vd_fma(factor, p.J, sum->J[i]);
     sum->F += F, sum->abs_F += vd_abs(F), sum->Z += Z, sum->abs_Z += vd_abs(Z);
-#ifdef SKF_VEC_FLOAT /* J, too, has cancelled */
-    if (!careful) sum->abs_Z += vd_abs((skf_vd)((skf_vi)(factor * (e.b2 - e.b1)) & e.in));
-#endif
+    if (!careful) *terms += vd_abs((skf_vd)((skf_vi)(factor * (e.b2 - e.b1)) & e.in));
   }
 }
 
@@ -189,20 +191,28 @@ SKF_INLINE skf_vvalue metaball_edges(const area_row *c, const area_view *f, skf_
   const cone_view outer = cone_see(c, f, 1);
   skf_vd zero = vd_set(0), R2 = outer.R2;
   area_sum sum = {zero, zero, {zero, zero, zero}, zero, zero};
+  skf_vd terms = zero;
   skf_vi clear = f->dist2 < R2 * vd_set(1 - SKF_PICK(1e-3, 1e-5)), inside = cones & (vd_set(9) * f->dist2 < R2);
   for (int i = 0; i < 3; i++) clear &= vd_set(SKF_PICK(1024, 1e6)) * vd_abs(outer.power[i]) > R2;
   skf_vi cancels = outer.rim | ((int)SKF_PICK(0, 1) ? outer.beyond : vi_set(0));
   skf_vi good = clear & cones & (careful ? outer.rim | outer.beyond : ~cancels);
-  cone_add(c, f, &outer, careful ? good : cones, careful, 1.5, &sum, &good);
+  cone_add(c, f, &outer, careful ? good : cones, careful, 1.5, &sum, &terms, &good);
   if (!careful && vi_any(inside)) {
     const cone_view inner = cone_see(c, f, 1. / 3);
     skf_vi fine = vi_set(-1);
-    cone_add(c, f, &inner, inside, false, -0.5, &sum, &fine);
+    cone_add(c, f, &inner, inside, false, -0.5, &sum, &terms, &fine);
     good &= fine | ~inside;
   }
   good &= sum.F > zero;
-  const skf_vd loss = (int)SKF_PICK(0, 1) ? vd_set(1) : rim_loss(R2, f);
-  return area_gather_lossy(c, f, &sum, loss, (double)SKF_PICK(0, 1.5), good);
+#ifdef SKF_VEC_FLOAT
+  sum.abs_Z += terms;
+  return area_gather_lossy(c, f, &sum, vd_set(1), 1.5, good);
+#else
+  skf_vvalue v = area_gather_lossy(c, f, &sum, rim_loss(R2, f), 0, good);
+  const skf_vd g = vd_max(vd_max(vd_abs(v.g.x), vd_abs(v.g.y)), vd_abs(v.g.z)), S = vd_max(c->diam, vd_sqrt(f->dist2));
+  if (!careful) v.good &= terms * S <= vd_set(128) * vd_max(g * S, v.F);
+  return v;
+#endif
 }
 
 SKF_INLINE skf_vvalue metaball_cones(const area_row *c, skf_v3d x, bool careful) {
