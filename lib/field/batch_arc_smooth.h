@@ -86,6 +86,10 @@ SKF_INLINE void inverse_arc_arguments(const arc_row *c, inverse_arc_state *s) {
          U3 = vd_select(apart, two3, one3) * per;
   s->f.good &=
       vd_sane(rr) & (rr < vd_set(SKF_PICK(1e90, INFINITY))) & vd_sane(U2) & vd_sane(U3) & (U2 > zero) & (U3 > zero);
+#ifdef SKF_VEC_FLOAT /* far from short arcs fourth powers of these and, below, sixth powers of the distance overflow   \
+                      */
+  s->f.good &= (U2 < vd_set(1e9)) & (U3 < vd_set(1e9)) & (rr * (r0 + r1) * (U3 * s->f.beta) < vd_set(1e37));
+#endif
   s->U1 = U1, s->U3 = U3;
   s->d = vd_carlson_begin(vd_abs(U1), U2, U3);
   vd_carlson_twice(&s->d, 0x1p-2);
