@@ -194,13 +194,15 @@ SKF_INLINE skf_vvalue polynomial_arc(const compact_arc_row *c, skf_v3d x, double
 typedef struct compact_circle_row {
   skf_v3d center, n;
   skf_vd rho, R2, per_R2, four, F, g; /* 4 rho, 2 rho and -4 rho / R^2 times the strength */
+  skf_vd reach, least;                /* R + rho, R - rho */
 } compact_circle_row;
 
 static double *compact_circle_pack(const skf_prepared *e, double *k) {
   const double rho = e->plan.arc.radius, R = e->kernel.param, F = 2 * rho * e->strength;
   k = pack3(pack3(k, e->primitive.arc.center), e->plan.arc.n);
   k = pack1(pack1(pack1(k, rho), R * R), 1 / (R * R));
-  return pack1(pack1(pack1(k, 4 * rho), F), -2 / (R * R) * F);
+  k = pack1(pack1(pack1(k, 4 * rho), F), -2 / (R * R) * F);
+  return pack1(pack1(k, R + rho), R - rho);
 }
 
 typedef struct polynomial_circle_state {
@@ -212,9 +214,11 @@ typedef struct polynomial_circle_state {
 typedef polynomial_circle_state quartic_circle_state, soft_object_circle_state;
 
 /* How many times R^2 - r^2 must be R^2 at least: a moved place excuses floats, but for where nothing changes then. */
-SKF_INLINE skf_vd rim_factor(skf_vd k, skf_vd rho) {
-  return vd_select(vd_set(4) * k > rho, vd_set(SKF_PICK(1024, 0x1p14)), vd_set(SKF_PICK(256, 32)));
+SKF_INLINE skf_vd rim_factor(skf_vd k, skf_vd rho, double on_axis) {
+  return vd_select(vd_set(4) * k > rho, vd_set(SKF_PICK(1024, 0x1p14)), vd_set(on_axis));
 }
+#define RIM_PLAIN SKF_COUNT(24, 8)
+#define RIM_APART SKF_COUNT(1024, 1024)
 
 SKF_INLINE void polynomial_circle_begin(const compact_circle_row *c, skf_v3d x, polynomial_circle_state *s) {
   skf_v3d d = vd3_sub(x, c->center);
@@ -225,15 +229,22 @@ SKF_INLINE void polynomial_circle_begin(const compact_circle_row *c, skf_v3d x, 
 #define quartic_circle_begin     polynomial_circle_begin
 #define soft_object_circle_begin polynomial_circle_begin
 
-SKF_INLINE void polynomial_circle_roots(const compact_circle_row *c, polynomial_circle_state *s) {
-  skf_vd inner = s->k - c->rho, outer = s->k + c->rho, alpha = vd_fma(inner, inner, s->z * s->z), qa = c->R2 - alpha;
+/* apart: next to the rim on the axis, where R - rho counts; not next to the circle */
+SKF_INLINE void polynomial_circle_power(const compact_circle_row *c, polynomial_circle_state *s, bool apart) {
+  skf_vd inner = s->k - c->rho, outer = s->k + c->rho, zz = s->z * s->z, alpha = vd_fma(inner, inner, zz);
+  skf_vd qa = apart ? vd_fms(c->reach - s->k, c->least + s->k, zz) : c->R2 - alpha;
   skf_vd spread = c->four * s->k, most = outer * outer;
   s->qa = qa;
   s->root = vd_sqrt(vd_max(qa * (spread - qa), vd_set(0)));
-  s->per = vd_set(1) / vd_max(spread, vd_set(SKF_PICK(1e-60, 1e-18)) * c->R2);
-  s->good = (rim_factor(s->k, c->rho) * vd_abs(qa) >= c->R2) & (most < vd_set(SKF_PICK(1e70, 1e16)));
+  s->per = vd_set(1) / vd_max(spread, vd_set(SKF_PICK(1e-60, 1e-18)) * most);
+  s->good = (rim_factor(s->k, c->rho, apart ? RIM_APART : RIM_PLAIN) * vd_abs(qa) >= c->R2) &
+            (most < vd_set(SKF_PICK(1e70, 1e16)));
+  if (apart) s->good &= vd_set(4) * s->k <= c->rho;
   /* next to the circle the distance from it is exact enough only for a large support */
   s->good &= vd_max(vd_set(SKF_PICK(1024, 0x1p24)) * alpha, vd_set(SKF_PICK(4, 0x1p16)) * c->R2) > most;
+}
+SKF_INLINE void polynomial_circle_roots(const compact_circle_row *c, polynomial_circle_state *s) {
+  polynomial_circle_power(c, s, false);
 }
 
 SKF_INLINE void polynomial_circle_rim(const compact_circle_row *c, polynomial_circle_state *s) {
@@ -301,7 +312,8 @@ SKF_INLINE void polynomial_arc_look(const compact_arc_row *row, polynomial_arc_s
   s->per_k = vd_set(1) / s->k;
   skf_vangle a = vd_angle_parts(vd_abs(s->v), s->k + vd_abs(s->u));
   s->turn_offset = a.offset, s->turn = a.top / a.bottom;
-  s->good = (rim_factor(s->k, rho) * vd_abs(s->qa) >= row->R2) & (most < vd_set(SKF_PICK(1e70, 1e16)));
+  s->good =
+      (rim_factor(s->k, rho, SKF_COUNT(256, 32)) * vd_abs(s->qa) >= row->R2) & (most < vd_set(SKF_PICK(1e70, 1e16)));
   s->good &= (vd_max(vd_set(1024) * alpha, vd_set(4) * row->R2) > most) & (s->k > vd_set(SKF_PICK(1e-30, 1e-16)) * rho);
 }
 
@@ -392,11 +404,28 @@ SKF_OUTLINE skf_vvalue soft_object_arc_twice(const compact_arc_row *c, skf_v3d x
 
 SKF_BATCH_LONG(quartic_arc, compact_arc, quartic_arc_twice, polynomial_arc_look, polynomial_arc_angles,
                polynomial_arc_window, polynomial_arc_middle, quartic_arc_gather)
-SKF_BATCH_SCALED(quartic_circle, compact_circle, skf_again_none, polynomial_circle_roots, polynomial_circle_rim,
+SKF_INLINE void polynomial_circle_axis(const compact_circle_row *c, skf_v3d x, polynomial_circle_state *s) {
+  polynomial_circle_begin(c, x, s);
+  polynomial_circle_power(c, s, true);
+  polynomial_circle_rim(c, s);
+  polynomial_circle_series(c, s);
+}
+SKF_OUTLINE skf_vvalue quartic_circle_axis(const compact_circle_row *c, skf_v3d x) {
+  quartic_circle_state s;
+  polynomial_circle_axis(c, x, &s);
+  return quartic_circle_end(c, &s);
+}
+SKF_OUTLINE skf_vvalue soft_object_circle_axis(const compact_circle_row *c, skf_v3d x) {
+  soft_object_circle_state s;
+  polynomial_circle_axis(c, x, &s);
+  return soft_object_circle_end(c, &s);
+}
+
+SKF_BATCH_SCALED(quartic_circle, compact_circle, quartic_circle_axis, polynomial_circle_roots, polynomial_circle_rim,
                  polynomial_circle_series)
 SKF_BATCH_LONG(soft_object_arc, compact_arc, soft_object_arc_twice, polynomial_arc_look, polynomial_arc_angles,
                polynomial_arc_window, polynomial_arc_middle, soft_object_arc_gather)
-SKF_BATCH_SCALED(soft_object_circle, compact_circle, skf_again_none, polynomial_circle_roots, polynomial_circle_rim,
-                 polynomial_circle_series)
+SKF_BATCH_SCALED(soft_object_circle, compact_circle, soft_object_circle_axis, polynomial_circle_roots,
+                 polynomial_circle_rim, polynomial_circle_series)
 
 #endif
