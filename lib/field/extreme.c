@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "field/extreme.h"
-#include "num/exact.h"
+#include "field/simple.h"
 #include <string.h>
 
 static const double big = 1e50, small = 1e-50;
@@ -128,6 +128,11 @@ void skf_extreme_value(const skf_prepared *prepared, skf_vec3 x, int order, skf_
   if (e.primitive.shape == SKF_POINT) { /* no length but the distance */
     skf_vec3 half = v3_sub(v3_scale(0.5, x), v3_scale(0.5, e.primitive.point.at));
     if (largest(half) < 1e300) x = v3_sub(x, e.primitive.point.at), e.primitive.point.at = v3(0, 0, 0);
+  }
+  if (e.primitive.shape == SKF_PLANE) {
+    const skf_vec3 zero = {0, 0, 0};
+    x = skf_plane_seen(prepared, x, zero);
+    e.primitive.plane.through = skf_plane_seen(prepared, e.primitive.plane.through, zero);
   }
   const skf_kernel_info *info = skf_kernel_get(e.kernel.type);
   double width = !info->param ? 0 : info->compact ? e.kernel.param : 1 / e.kernel.param;

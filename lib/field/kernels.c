@@ -3,6 +3,7 @@
 #include "field/extreme.h"
 #include "field/profiled.h"
 #include "field/quadrature.h"
+#include "field/simple.h"
 #include <string.h>
 
 static const skf_kernel_ops *const registry[SKF_KERNEL_COUNT] = {
@@ -48,6 +49,7 @@ int skf_kernel_breaks(skf_kernel k, double radii[SKF_KERNEL_BREAKS]) {
 void skf_element_value(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
   skf_closed closed = skf_kernel_row(e->kernel.type)->closed[e->primitive.shape];
   if (closed && e->weight) closed = skf_profiled;
+  if (e->primitive.shape == SKF_PLANE) x = skf_plane_seen(e, x, e->primitive.plane.through);
   (closed ? closed : skf_quadrature)(e, x, order, v);
   double sum = v->F + (v->g.x + v->g.y + v->g.z);
   for (int k = 0; k < 6 && order > 1; k++) sum += v->h[k];

@@ -14,6 +14,12 @@ void skf_point_result(const double h[4], skf_dd3 d, int order, skf_value *v) {
   if (order > 1) add_isotropic(2 * h[1], 4 * h[2], r, v->h);
 }
 
+skf_vec3 skf_plane_seen(const skf_prepared *e, skf_vec3 x, skf_vec3 rest) {
+  const skf_vec3 n = e->plan.plane.raw;
+  if ((n.x != 0) + (n.y != 0) + (n.z != 0) != 1) return x;
+  return v3(n.x != 0 ? x.x : rest.x, n.y != 0 ? x.y : rest.y, n.z != 0 ? x.z : rest.z);
+}
+
 double skf_plane_height(const skf_prepared *e, skf_vec3 x) {
   return dd3_dot_d(dd3_diff(x, e->primitive.plane.through), e->plan.plane.raw) / e->plan.plane.length;
 }
