@@ -133,6 +133,53 @@ static void test_far_arcs(void **state) {
   }
 }
 
+/* The worst at points at distances of 10^from to 10^to of the origin, in allowed errors */
+static double far_excess(uint64_t *seed, const skf_element *e, double from, double to) {
+  double worst = 0;
+  for (int i = 0; i < POINTS; i++) {
+    const skf_vec3 x = v3_scale(pow(10, rnd(seed, from, to)), rnd_unit(seed));
+    for (int k = 0; k < 3; k++) p[k][i] = (float)v3_get(x, k);
+  }
+  skf_field *f = make(e, 1);
+  eval(f, v3(0, 0, 0), 1);
+  for (int i = 0; i < POINTS; i++) worst = fmax(worst, excess(f, local(i), 4 * ulp * v3_norm(local(i)), 16, 1e-36, i));
+  skf_field_free(f);
+  return worst;
+}
+
+/* 1 / r along short arcs, whose elliptic integrals have huge arguments; Cauchy's circles, whose gradient is tiny */
+static void test_far(void **state) {
+  (void)state;
+  uint64_t seed = 36;
+  for (int n = 0; n < 80; n++) {
+    skf_element e = {.kernel = {n % 2 ? SKF_CAUCHY : SKF_INVERSE, pow(10, rnd(&seed, -6, 0)), NULL}, .strength = 1};
+    rnd_primitive(&seed, SKF_ARC, 1, &e.primitive);
+    e.primitive.arc.sweep = n % 2 ? 2 * SKF_PI : pow(10, rnd(&seed, -6, -1));
+    const double worst = far_excess(&seed, &e, 1, 8);
+    if (!(worst <= 2)) fail_msg("sweep %g, s = %g: %.2f", e.primitive.arc.sweep, e.kernel.param, worst);
+  }
+}
+
+/* Circles on the axis: at the rim of their support, and in huge ones */
+static void test_axis(void **state) {
+  (void)state;
+  static const skf_kernel_type kernels[] = {SKF_SOFT_OBJECT, SKF_QUARTIC};
+  uint64_t seed = 37;
+  for (int n = 0; n < 200; n++) {
+    skf_element e = {.kernel = {kernels[n % 2], 1, NULL}, .strength = 1};
+    rnd_primitive(&seed, SKF_ARC, 1, &e.primitive);
+    skf_arc *arc = &e.primitive.arc;
+    arc->sweep = 2 * SKF_PI;
+    e.kernel.param = arc->radius * (n / 2 % 2 ? pow(10, rnd(&seed, 4, 8)) : 1 + pow(10, rnd(&seed, -2, -0.5)));
+    for (int i = 0; i < POINTS; i++) {
+      const skf_vec3 x = v3_mad(arc->center, arc->radius * pow(10, rnd(&seed, -8, -1)), rnd_unit(&seed));
+      for (int k = 0; k < 3; k++) p[k][i] = (float)v3_get(x, k);
+    }
+    const double worst = points_excess(&e, 16);
+    if (!(worst <= 2)) fail_msg("R / rho = %g: %.2f", e.kernel.param / arc->radius, worst);
+  }
+}
+
 /* Places above the lines of a triangle's edges, at its support's rim, near it; half of the triangles are slivers. */
 static void scatter_triangle(uint64_t *seed, const skf_element *e) {
   const skf_vec3 *v = e->primitive.triangle.vertices;
@@ -305,7 +352,8 @@ static void test_overflow(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_pairs),    cmocka_unit_test(test_wide),
-                                     cmocka_unit_test(test_far_arcs), cmocka_unit_test(test_triangles),
+                                     cmocka_unit_test(test_far_arcs), cmocka_unit_test(test_far),
+                                     cmocka_unit_test(test_axis),     cmocka_unit_test(test_triangles),
                                      cmocka_unit_test(test_chords),   cmocka_unit_test(test_frame),
                                      cmocka_unit_test(test_sum),      cmocka_unit_test(test_overflow)};
   return cmocka_run_group_tests(tests, NULL, NULL);
