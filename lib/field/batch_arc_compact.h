@@ -217,7 +217,7 @@ typedef polynomial_circle_state quartic_circle_state, soft_object_circle_state;
 SKF_INLINE skf_vd rim_factor(skf_vd k, skf_vd rho, double on_axis) {
   return vd_select(vd_set(4) * k > rho, vd_set(SKF_PICK(1024, 0x1p14)), vd_set(on_axis));
 }
-#define RIM_PLAIN SKF_COUNT(24, 8)
+#define RIM_PLAIN SKF_COUNT(24, 4)
 #define RIM_APART SKF_COUNT(1024, 1024)
 
 SKF_INLINE void polynomial_circle_begin(const compact_circle_row *c, skf_v3d x, polynomial_circle_state *s) {

@@ -17,6 +17,7 @@
 #define SKF_FIELD_BATCH_ARC_OPEN_H
 
 #include "field/batch_loop.h"
+#include "num/gauss.h"
 
 typedef struct open_arc_row {
   skf_v3d from, m, t, n;         /* the origin of u; the axes of u, t, z, s long */
@@ -29,6 +30,7 @@ typedef struct open_arc_row {
   skf_vd least_D2, least_B; /* nearer to the body, and to its ends, more care is taken */
   skf_vd rest, wide, level; /* l - less; X = C v + wide u + level */
   skf_vd pull;              /* the factor of x - from in the gradient; up is that of T or N, over that of M z */
+  skf_vd half, near2;       /* half the sweep; within this squared distance of the middle the sums are not good */
 #endif
   skf_vd S, C, S2, versed;       /* S^2, 1 - C */
   skf_vd ends, H, CH2, mid, out; /* 2 S, 4 S^3, 4 S C, in floats half of them; rho or 0, 0 or -rho */
@@ -65,6 +67,12 @@ static double *open_arc_pack_by(const skf_prepared *e, double s, bool thin, doub
   k = pack1(pack1(k, (size2 + cut) / (thin ? 64 : 512)), size2 / (thin ? 64 : 256));
   k = pack1(pack1(pack1(k, (thin ? 1 : 0) - s * s * less), -2 * rho), brief ? -2 * rho2 * versed : 2 * C * rho2);
   k = pack1(k, -2 / part * F * s * s);
+  /* T loses rho, as if x were displaced, which counts where the body is small and near */
+  const skf_box box = skf_primitive_bounds(&e->primitive);
+  double reach = 0;
+  for (int i = 0; i < 3; i++) reach = fmax(reach, fmax(fabs(v3_get(box.lo, i)), fabs(v3_get(box.hi, i))));
+  const double near = thin && brief ? (2.2 * a->radius - 6.9 * reach) / 16 : 0;
+  k = pack1(pack1(k, a->half), near > 0 ? near * near : -1);
 #endif
   k = pack1(pack1(pack1(pack1(k, S), C), S * S), versed);
   k = pack1(pack1(pack1(k, part * 2 * S), part * 4 * S * S * S), part * 4 * S * C);
@@ -207,6 +215,35 @@ SKF_INLINE skf_vd open_arc_fifth(skf_vd tt) {
   return s;
 }
 
+#ifdef SKF_VEC_FLOAT
+/* Short arcs, whose sums differ by little from a point's: the Gauss rule of so many points of the arc, measured from
+   its middle. It is exact to 1e-7 where W falls to the square of 3/4 of half the length, s long, at least. */
+SKF_INLINE skf_vvalue cauchy_arc_rule(const open_arc_row *c, skf_v3d x) {
+  enum { PAIRS = 6 };
+  const skf_gauss_node *node = skf_gauss_rule(2 * PAIRS) + PAIRS;
+  const skf_vd one = vd_set(1), zero = vd_set(0), rho = c->mid, length = rho * c->half;
+  open_arc_state s;
+  open_arc_begin(c, x, &s);
+  const skf_vd q = vd_fma(s.z, s.z, one);
+  skf_vd F = zero, G = zero, U = zero, T = zero, least = vd_set(INFINITY);
+  for (int j = 0; j < PAIRS; j++) {
+    const skf_vd phi = c->half * vd_set(node[j].x), yy = phi * phi, weight = vd_set(node[j].w);
+    const skf_vd sine = phi * vd_fma(yy, vd_fma(yy, vd_set(1. / 120), vd_set(-1. / 6)), one);
+    const skf_vd versed = yy * vd_fma(yy, vd_fma(yy, vd_set(1. / 720), vd_set(-1. / 24)), vd_set(0.5));
+    const skf_vd u = vd_fma(rho, versed, s.u), a = vd_fnma(rho, sine, s.t), b = vd_fma(rho, sine, s.t);
+    const skf_vd rest = vd_fma(u, u, q), A = vd_fma(a, a, rest), B = vd_fma(b, b, rest);
+    const skf_vd per_A = one / A, per_B = one / B, hA = per_A * per_A, hB = per_B * per_B;
+    const skf_vd gA = hA * per_A, gB = hB * per_B, both = weight * (gA + gB);
+    F = vd_fma(weight, hA + hB, F), G += both;
+    U = vd_fma(both, versed, U), T = vd_fma(weight * sine, gB - gA, T);
+    least = vd_min(least, vd_min(A, B));
+  }
+  const skf_v3d g = vd3_mad(vd3_mad(vd3_scale(c->pull * G, s.d), U, c->up), rho * T, c->on);
+  return (skf_vvalue){vd_set(0.5) * c->F * c->half * F, vd3_scale(c->half, g),
+                      (least > vd_set(0.64) * (length * length)) & (least < vd_set(1e9))};
+}
+#endif
+
 /* Not within a quarter of the kernel's width from the circle, where the gradient all but vanishes */
 SKF_OUTLINE skf_vvalue cauchy_arc_careful(const open_arc_row *c, skf_v3d x) {
   open_arc_state s;
@@ -224,9 +261,17 @@ SKF_OUTLINE skf_vvalue cauchy_arc_careful(const open_arc_row *c, skf_v3d x) {
   L = vd_select(narrow, L, vd_fnma(s.X, H, vd_set(3) * K));
   skf_vd I1 = open_arc_part(s.angle), a = s.v + c->two, r = a * s.per_D2, most = r * vd_select(narrow, a * L, I1 * r);
   s.good &= (s.D2 > vd_set(17. / 16) * c->four) & (vd_set(16) * cauchy_arc_force(c, &s, K, L, H) > most);
-  if ((int)SKF_PICK(0, 1)) s.good &= H > vd_set(1e-33);
   s.angle *= c->F;
+#ifdef SKF_VEC_FLOAT
+  const skf_vi near = vd3_dot(s.d, s.d) < c->near2;
+  s.good &= (H > vd_set(1e-33)) & ~near;
+  skf_vvalue v = open_arc_end(c, &s);
+  if (!vi_any(near)) return v;
+  const skf_vvalue w = cauchy_arc_rule(c, x);
+  return (skf_vvalue){vd_select(near, w.F, v.F), vd3_select(near, w.g, v.g), v.good | (near & w.good)};
+#else
   return open_arc_end(c, &s);
+#endif
 }
 
 SKF_INLINE void inverse_squared_arc_series(const open_arc_row *c, open_arc_state *s) {
@@ -257,12 +302,16 @@ SKF_OUTLINE skf_vvalue inverse_squared_arc_careful(const open_arc_row *c, skf_v3
 SKF_INLINE void open_arc_seen(const open_arc_row *c, skf_v3d x, double least, open_arc_state *s) {
   skf_v3d d = vd3_sub(x, c->from);
   skf_vd u = vd3_dot(d, c->m), z = vd_fma(d.z, c->n.z, vd_fma(d.y, c->n.y, vd_fma(d.x, c->n.x, c->above)));
-  skf_vd q = vd_fma(z, z, vd_set(least)), v = vd_fma(c->s2, vd3_dot(d, d), vd_fma(c->twice, u, c->rest)), w = v - q;
+  const skf_vd dd = vd3_dot(d, d);
+  skf_vd q = vd_fma(z, z, vd_set(least)), v = vd_fma(c->s2, dd, vd_fma(c->twice, u, c->rest)), w = v - q;
   skf_vd D2 = vd_fma(w, w, q * ((w + v) + c->four)), X = vd_fma(c->C, v, vd_fma(c->wide, u, c->level));
   skf_vd B = vd_fma(D2, c->S2, X * X);
   s->d = d, s->z = z, s->v = v, s->X = X;
   s->good = (D2 > c->least_D2) & (B > c->least_B);
-  if (least == 0) s->D2 = D2, s->good &= B < vd_set(1e16);
+  if (least == 0)
+    s->D2 = D2, s->good &= B < vd_set(1e16);
+  else
+    s->good &= dd >= c->near2;
   s->D = vd_sqrt(D2), s->per_B = vd_set(1) / B, s->per_D2 = vd_set(1) / D2;
 }
 SKF_INLINE void cauchy_arc_begin(const open_arc_row *c, skf_v3d x, open_arc_state *s) { open_arc_seen(c, x, 1, s); }

@@ -60,8 +60,8 @@ SKF_INLINE void ring_begin(const ring_row *c, skf_v3d x, ring_state *s) {
 /* int 1 / W^2 = 2 pi R a / D^3 */
 SKF_INLINE skf_vvalue cauchy_ring(const ring_row *c, const ring_state *s) {
   /* in this order, in which far away nothing underflows before its product does */
-  skf_vd a = s->v + c->two, third = vd_set(-3) * a * s->per, cube = s->D * s->per * s->per, slope = c->g * cube;
-  skf_vd across = slope * vd_fma(third, s->v, vd_set(1)), along = (slope * third) * s->z;
+  skf_vd a = s->v + c->two, third = vd_set(-3) * a, cube = s->D * s->per * s->per, slope = c->g * cube;
+  skf_vd across = slope * (s->per * vd_fma(third, s->v, s->D2)), along = slope * (s->per * third) * s->z;
   return (skf_vvalue){c->F * (a * cube), vd3_mad(vd3_scale(across, s->d), along, c->over),
                       s->D2 < vd_set(SKF_PICK(1e90, 1e14))};
 }

@@ -160,6 +160,36 @@ static void test_far(void **state) {
   }
 }
 
+/* Cauchy's kernel along short arcs whose centre is much farther from the origin than they are and where they are seen
+   from */
+static void test_bent(void **state) {
+  (void)state;
+  uint64_t seed = 38;
+  for (int n = 0; n < 200; n++) {
+    skf_element e = {.primitive.shape = SKF_ARC, .kernel = {SKF_CAUCHY, pow(10, rnd(&seed, -2, 1.5)), NULL}};
+    skf_arc *arc = &e.primitive.arc;
+    e.strength = 1;
+    arc->radius = pow(10, rnd(&seed, -0.3, 1)), arc->sweep = pow(10, rnd(&seed, -4, -1));
+    arc->normal = rnd_unit(&seed), arc->start = v3_unit(v3_cross(arc->normal, rnd_unit(&seed)));
+    arc->center = v3_mad(rnd_vec(&seed, 0.05), -arc->radius, arc->start);
+    for (int i = 0; i < POINTS; i++) {
+      const skf_vec3 on = skf_primitive_point(&e.primitive, rnd(&seed, 0, 1), 0);
+      const skf_vec3 x = v3_mad(on, pow(10, rnd(&seed, -5, 0.5)), rnd_unit(&seed));
+      for (int k = 0; k < 3; k++) p[k][i] = (float)v3_get(x, k);
+    }
+    skf_field *f = make(&e, 1);
+    eval(f, v3(0, 0, 0), 1);
+    const double size = fmax(v3_norm(arc->start) * 0.05, box_diagonal(skf_primitive_bounds(&e.primitive)));
+    for (int i = 0; i < POINTS; i++) {
+      const double moved = 4 * ulp * fmax(1.7 * size, v3_norm(local(i)));
+      if (skf_primitive_distance(&e.primitive, local(i)) < 8 * moved) continue;
+      const double worst = excess(f, local(i), moved, 16, 1e-36, i);
+      if (!(worst <= 2)) fail_msg("sweep %g, s = %g: %.2f", arc->sweep, e.kernel.param, worst);
+    }
+    skf_field_free(f);
+  }
+}
+
 /* Circles on the axis: at the rim of their support, and in huge ones */
 static void test_axis(void **state) {
   (void)state;
@@ -351,10 +381,10 @@ static void test_overflow(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_pairs),    cmocka_unit_test(test_wide),
-                                     cmocka_unit_test(test_far_arcs), cmocka_unit_test(test_far),
-                                     cmocka_unit_test(test_axis),     cmocka_unit_test(test_triangles),
-                                     cmocka_unit_test(test_chords),   cmocka_unit_test(test_frame),
-                                     cmocka_unit_test(test_sum),      cmocka_unit_test(test_overflow)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_pairs),     cmocka_unit_test(test_wide),    cmocka_unit_test(test_far_arcs),
+      cmocka_unit_test(test_far),       cmocka_unit_test(test_axis),    cmocka_unit_test(test_bent),
+      cmocka_unit_test(test_triangles), cmocka_unit_test(test_chords),  cmocka_unit_test(test_frame),
+      cmocka_unit_test(test_sum),       cmocka_unit_test(test_overflow)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
