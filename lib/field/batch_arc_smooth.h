@@ -146,29 +146,71 @@ SKF_OUTLINE skf_vvalue inverse_arc_slow(const arc_row *c, skf_v3d x) {
   return inverse_arc_finish(c, &s, last, SKF_COUNT(false, true));
 }
 
-/* gaussian.c's circle, b = 2 a^2 rho k. */
-SKF_INLINE skf_vvalue gaussian_circle(const arc_row *c, skf_v3d x) {
-  arc_view f = circle_see(c, x);
-  skf_vd a2 = c->param2, rho = c->rho, b = vd_set(2) * a2 * rho * f.k, y = a2 * f.alpha, zero = vd_set(0), i0, radial;
-  skf_vi near = b < vd_set(VD_BESSEL_NEAR), seen = y < vd_set(VD_EXP_MAX - VD_BESSEL_NEAR);
-  skf_vi gone = (y > vd_set(VD_EXP_ZERO)) & (f.beta < vd_set(INFINITY));
-  skf_vd e = vd_exp(-vd_min(vd_select(near, y + b, y), vd_set(VD_EXP_MAX)));
-  e = (skf_vd)((skf_vi)(vd_set(2 * SKF_PI) * rho * e) & seen);
-  skf_vbessel v = vd_bessel_near(vd_min(b, vd_set(VD_BESSEL_NEAR)));
-  i0 = v.i0, radial = f.k * vd_fnma(a2 * rho, rho * v.other, v.i0);
+/* The radius and its square; of exp(-a^2 w) as in batch_point.h; a^2, 2 a^2 rho, a^2 rho^2; 2 pi rho and -4 pi rho a^2,
+   both times the strength. */
+typedef struct gaussian_ring_row {
+  skf_v3d center, n;
+  skf_vd rho, rho2, exponent, low, param2, b, other, F, g;
+} gaussian_ring_row;
+
+static double *gaussian_ring_pack(const skf_prepared *e, double *k) {
+  const double rho = e->plan.arc.radius, a2 = e->kernel.param * e->kernel.param, F = 2 * SKF_PI * rho * e->strength;
+  k = pack3(pack3(k, e->primitive.arc.center), e->plan.arc.n);
+  k = pack_exponent_low(pack1(pack1(k, rho), rho * rho), e->kernel.param);
+  return pack1(pack1(pack1(pack1(pack1(k, a2), 2 * a2 * rho), a2 * rho * rho), F), -2 * a2 * F);
+}
+
+/* gaussian.c's circle, b = 2 a^2 rho k, w from the axis to x, k long. */
+typedef struct gaussian_circle_state {
+  skf_v3d w;
+  skf_vd z, kk, k, b;
+  skf_vpower e;
+  skf_vi good, gone;
+} gaussian_circle_state;
+
+SKF_INLINE void gaussian_circle_begin(const gaussian_ring_row *c, skf_v3d x, gaussian_circle_state *s) {
+  const skf_v3d d = vd3_sub(x, c->center);
+  s->z = vd3_dot(d, c->n);
+  s->w = vd3_less(d, s->z, c->n);
+  s->kk = vd3_dot(s->w, s->w), s->k = vd_sqrt(s->kk);
+}
+
+/* exp(-a^2 (r^2 + 2 rho k)), or of the nearest point's r^2 where Bessel's function is scaled */
+SKF_INLINE void gaussian_circle_power(const gaussian_ring_row *c, gaussian_circle_state *s) {
+  const skf_vd b = c->b * s->k, inner = s->k - c->rho, zz = s->z * s->z, alpha = vd_fma(inner, inner, zz);
+  const skf_vd w = vd_select(b < vd_set(VD_BESSEL_NEAR), s->kk + zz + c->rho2, alpha);
+  s->b = b;
+  s->e = SKF_COUNT(1, 0) ? vd_exp2_begin_low(c->exponent, c->low, w) : vd_exp2_begin(c->exponent, w);
+  s->gone = vd_gaussian_gone(c->exponent, w), s->good = vd_gaussian_near(&s->e) | s->gone;
+#ifndef SKF_VEC_FLOAT
+  /* next to the circle its distance is exact enough for a wide Gaussian; what it loses in floats is less than the
+     point's rounding */
+  const skf_vd outer = s->k + c->rho, most = outer * outer;
+  s->good &= (vd_set(1024) * alpha > most) | (c->param2 * most < vd_set(16));
+#endif
+  vd_exp2_middle(&s->e);
+}
+SKF_INLINE void gaussian_circle_late(const gaussian_ring_row *c, gaussian_circle_state *s) {
+  (void)c;
+  vd_exp2_late(&s->e);
+}
+
+SKF_INLINE skf_vvalue gaussian_circle_end(const gaussian_ring_row *c, const gaussian_circle_state *s) {
+  const skf_vd most = vd_set(VD_BESSEL_NEAR), h = (skf_vd)((skf_vi)vd_exp2_end(&s->e) & ~s->gone);
+  const skf_vi near = s->b < most;
+  skf_vbessel v = vd_bessel_near(vd_min(s->b, most));
+  skf_vd i0 = v.i0, across = vd_fnma(c->other, v.other, v.i0);
   if (!vi_all(near)) {
-    v = vd_bessel_far(vd_max(b, vd_set(VD_BESSEL_NEAR)));
+    v = vd_bessel_far(vd_max(s->b, most));
     i0 = vd_select(near, i0, v.i0);
-    radial = vd_select(near, radial, vd_fma(f.inner, v.i0, rho * v.other));
+    across = vd_select(near, across, vd_fma(s->k - c->rho, v.i0, c->rho * v.other) / s->k);
   }
-  skf_vd F = e * i0, slope = vd_set(-2) * a2, k = slope * e * radial;
-  skf_v3d g = vd3_mad(vd3_scale(k * f.ux, c->e), k * f.uy, c->f);
-  /* next to the circle its distance is exact enough for a wide Gaussian */
-  f.good |= a2 * (f.outer * f.outer) < vd_set(16);
-  return (skf_vvalue){F, vd3_mad(g, slope * F * f.z, c->n), (seen & f.good & (b >= zero)) | gone};
+  const skf_vd g = c->g * h;
+  return (skf_vvalue){c->F * (h * i0), vd3_mad(vd3_scale(g * across, s->w), g * i0 * s->z, c->n), s->good};
 }
 
 SKF_BATCH_STAGED(inverse_arc, arc, inverse_arc_slow, inverse_arc_ends, inverse_arc_arguments, inverse_arc_duplications)
-SKF_BATCH_FORM(gaussian_circle, arc, skf_again_none)
+SKF_BATCH_SCALED(gaussian_circle, gaussian_ring, skf_again_none, gaussian_circle_power, gaussian_circle_late,
+                 skf_stage_none)
 
 #endif
