@@ -71,15 +71,26 @@ typedef struct arc_moments {
 /* Of short windows from the highest one by parts: sums of positive terms; of long ones, whose series would lose digits,
    from the lowest. ss, part: sin^2, sin cos of half */
 SKF_INLINE arc_moments window_moments(skf_vd half, skf_vd ss, skf_vd part, bool cubes) {
-  /* int sin^4 / half^5 and int sin^6 / half^7 in half^2 */
-#ifdef SKF_VEC_FLOAT /* 1e-9, 6e-9 */
-  static const double fourth[] = {0.39999999983489010404,    -0.19047618190539098047,   0.044444371260539488468,
-                                  -0.0065413677525169012954, 0.00067252309124215881281, -0.000050968620218839988200,
-                                  2.8515877243905878983e-6,  -9.6873224985381071634e-8};
-  static const double sixth[] = {0.28571428543457324942,     -0.22222220384187392207,   0.084848285349664713275,
-                                 -0.020837583925079685954,   0.0036666626612264532853,  -0.00048907333277803901124,
-                                 0.000050466156240329255251, -3.8266189926807773104e-6, 1.6320145574284029263e-7};
-#else /* 8e-17, 6e-17 */
+#ifdef SKF_VEC_FLOAT
+  /* int sin^4 / half^5 and int sin^6 / half^7 in half^2 - 5 / 4, where what the long ones lose is an ulp or two: 3e-8,
+     6e-8 */
+  static const double fourth[] = {0.22006977082031958,    -0.1053464110813779,    0.025321851720305901,
+                                  -0.0038718350081252038, 0.00041423638185867459, -0.000033015286706030031,
+                                  1.9814415396328204e-6};
+  static const double sixth[] = {0.10744808462977772,     -0.084273917862075626, 0.033150534887528551,
+                                 -0.0084736489244605025,  0.0015586290660234399, -0.00021848075310083637,
+                                 0.000024603286940134326, -2.1241878096709764e-6};
+  const skf_vd y = half * half, x = y - vd_set(1.25), up = half * y * y, once = part * ss;
+  arc_moments m = {.m0 = half + half, .m3 = vd_set(0)};
+  if (cubes) {
+    m.m3 = up * y * vd_estrin(sixth, 8, x);
+    m.m2 = vd_fma(vd_set(6. / 5), m.m3, vd_set(2. / 5) * (once * ss));
+  } else
+    m.m2 = up * vd_estrin(fourth, 7, x);
+  m.m1 = vd_fma(vd_set(4. / 3), m.m2, vd_set(2. / 3) * once);
+  return m;
+#else
+  /* int sin^4 / half^5 and int sin^6 / half^7 in half^2: 8e-17, 6e-17 */
   static const double fourth[] = {0.39999999999999999042,     -0.19047619047618935741,   0.044444444444422814650,
                                   -0.0065416065414426718806,  0.00067290733893217973979, -0.000051306716488897806905,
                                   3.0185928094881222123e-6,   -1.4122517345914702432e-7, 5.3787821844728050829e-9,
@@ -89,7 +100,6 @@ SKF_INLINE arc_moments window_moments(skf_vd half, skf_vd ss, skf_vd part, bool 
                                  0.000051968613758218269277, -4.4645347826399864559e-6, 3.1794843547178528802e-7,
                                  -1.9081624680720755470e-8,  9.7688486483416124894e-10, -4.2690744325123963976e-11,
                                  1.5155683150520404408e-12,  -3.3921132013577363614e-14};
-#endif
   skf_vd y = half * half, up = half * y * y;
   arc_moments m = {.m0 = half + half};
   if (cubes) {
@@ -108,6 +118,7 @@ SKF_INLINE arc_moments window_moments(skf_vd half, skf_vd ss, skf_vd part, bool 
     m.m3 = vd_select(wide, m3, m.m3);
   }
   return m;
+#endif
 }
 
 /* With t = chi less the middle of a window and y = sin^2 t, there is R^2 - r^2 = q - e y - o / 2 sin 2t where q is its
