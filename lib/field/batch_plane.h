@@ -216,10 +216,14 @@ SKF_INLINE skf_vi metaball_plane_of(const plane_row *c, size_t n, const skf_vd *
 /* m^2 (c2 + c3 m), m = 1 - r^2 / R^2 */
 SKF_INLINE skf_vi polynomial_plane(const plane_row *c, size_t n, const skf_vd *z, skf_vd *F, skf_vd *slope, double c2,
                                    double c3) {
-  skf_vd m[4];
+  skf_vd m[4], mm[4];
   SKF_EACH(u, n) m[u] = vd_max((c->param - z[u]) * (c->param + z[u]), vd_set(0)) * c->per_param2;
-  SKF_EACH(u, n) F[u] = c->F * (m[u] * m[u] * m[u] * vd_fma(vd_set(c3 / 4), m[u], vd_set(c2 / 3)));
-  SKF_EACH(u, n) slope[u] = z[u] * (m[u] * m[u] * vd_fma(vd_set(c3), m[u], vd_set(c2)));
+  SKF_EACH(u, n) mm[u] = m[u] * m[u];
+  SKF_EACH(u, n) {
+    const skf_vd cubes = vd_set(c2 / 3) * c->F;
+    F[u] = mm[u] * m[u] * (c3 != 0 ? vd_fma(vd_set(c3 / 4) * c->F, m[u], cubes) : cubes);
+  }
+  SKF_EACH(u, n) slope[u] = z[u] * (c3 != 0 || c2 != 1 ? mm[u] * vd_fma(vd_set(c3), m[u], vd_set(c2)) : mm[u]);
   return plane_finite(n, z);
 }
 
