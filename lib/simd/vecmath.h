@@ -246,7 +246,7 @@ SKF_INLINE void vd_exp2_middle(skf_vpower *e) {
   /* (2^f - 1) / f: 5e-9 */
   static const double p[] = {0.69314718802622878106,   0.24022650760568126945,   0.055503571142190778186,
                              0.0096180825572778514913, 0.0013390863364671234381, 0.00015453162945120690177};
-  e->part = vd_halves(p, sizeof p / sizeof *p, f);
+  e->part = vd_horner(p, sizeof p / sizeof *p, f);
 #else
   /* 2^f / 2 = 1 / 2 + t / (c p - t), t = f q; p and q are of f^2, which is multiplied by 1, so that a sum takes the
      place of a product: 2e-18 */
