@@ -41,7 +41,7 @@
   SKF_F32_ENTRY(soft_object_circle) SKF_F32_ENTRY(metaball_arc) SKF_F32_ENTRY(metaball_circle)                         \
   SKF_F32_ENTRY(metaball_triangle) SKF_F32_ENTRY(metaball_segment) SKF_F32_ENTRY(metaball_segment_short)               \
   SKF_F32_ENTRY(metaball_segment_long)                                                                                 \
-  .keep = batch_keep
+  .keep = batch_keep, .gather = batch_gather
 /* clang-format on */
 
 #endif

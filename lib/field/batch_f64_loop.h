@@ -245,12 +245,6 @@ static inline void lanes_beyond(size_t n, skf_vvalue *v) {
     }                                                                                                                  \
   }
 
-/* The compiler does not see that this is i, and keeps one index for all rows instead of an address for each. */
-SKF_INLINE size_t index_hide(size_t i) {
-  __asm__("" : "+r"(i));
-  return i;
-}
-
 SKF_INLINE void vd_keep(skf_vd v, double *to, bool more) { vd_store(to, more ? vd_load(to) + v : v); }
 
 /* n vectors from i on, each by itself, with care where it needs it */

@@ -137,6 +137,26 @@ SKF_INLINE skf_vi vd_gaussian_gone(skf_vd c, skf_vd x) {
   return (y < vd_set(SKF_PICK(-1155, -160))) & (y > vd_set(-INFINITY));
 }
 
+#ifdef SKF_VEC_FLOAT
+/* About points in floats 2^24 times that, which reaches down to where neither F nor the gradient matters, and 0 beyond:
+   narrow kernels among many are mostly far. Good unless infinite or NaN. */
+#define VD_GAUSSIAN_LIFT 24
+SKF_INLINE skf_vpower vd_gaussian_begin(skf_vd c, skf_vd x) {
+  const skf_vd shift = vd_set(VD_EXP2_SHIFT + VD_GAUSSIAN_LIFT), whole = vd_fma(c, x, shift);
+  return (skf_vpower){whole, vd_fms(c, x, whole - shift), vd_set(0)};
+}
+SKF_INLINE skf_vi vd_gaussian_end(const skf_vpower *e, skf_vd *h) {
+  *h = (skf_vd)((skf_vi)vd_exp2_end(e) & (e->whole > vd_set(VD_EXP2_SHIFT - 125)));
+  return e->whole > vd_set(-INFINITY);
+}
+#else
+#define VD_GAUSSIAN_LIFT 0
+SKF_INLINE skf_vi vd_gaussian_end(const skf_vpower *e, skf_vd *h) {
+  *h = vd_exp2_end(e);
+  return vd_gaussian_near(e);
+}
+#endif
+
 enum { SKF_FLIGHT = 16 };
 #define SKF_ROLLED _Pragma("GCC unroll 1")
 
@@ -264,6 +284,12 @@ enum { SKF_APART, SKF_WITH_BEGIN, SKF_WITH_ONE, SKF_THREE_WITH_ONE, SKF_GATHER_W
 typedef struct loop_factor {
   skf_vd F, g;
 } loop_factor;
+
+/* The compiler does not see that this is i, and keeps one index for all rows instead of an address for each. */
+SKF_INLINE size_t index_hide(size_t i) {
+  __asm__("" : "+r"(i));
+  return i;
+}
 
 SKF_INLINE skf_v3d points_load(const skf_real *const p[3], size_t i) {
   return (skf_v3d){vd_load(p[0] + i), vd_load(p[1] + i), vd_load(p[2] + i)};

@@ -5,16 +5,19 @@
 
 #include "field/batch_loop.h"
 
-/* s or R, its square, 1 / both; the strength, and its product with s^2 or 1 / R^2 */
+/* s or R, its square, 1 / both; the strength, and its product with s^2 or 1 / R^2, Cauchy's and the quartic's four
+   times as they need it */
 typedef struct point_row {
   skf_v3d at;
   skf_vd param, param2, per_param, per_param2, strength, slope;
 } point_row;
 
 static double *point_pack(const skf_prepared *e, double *k) {
+  const skf_kernel_type type = e->kernel.type;
   double param2 = e->kernel.param * e->kernel.param, strength = e->strength;
+  double slope = skf_kernel_get(type)->compact ? strength / param2 : strength * param2;
   k = pack_parameter(pack3(k, e->primitive.point.at), e);
-  return pack1(pack1(k, strength), skf_kernel_get(e->kernel.type)->compact ? strength / param2 : strength * param2);
+  return pack1(pack1(k, strength), type == SKF_CAUCHY || type == SKF_QUARTIC ? 4 * slope : slope);
 }
 
 /* h and minus twice its derivative by w, both times the strength */
@@ -45,7 +48,7 @@ SKF_INLINE skf_vi cauchy_point_of(const point_row *c, size_t n, const skf_vd *w,
   SKF_EACH(u, n) slope[u] = vd_set(1) / slope[u];
   SKF_EACH(u, n) h[u] = slope[u] * slope[u];
   SKF_EACH(u, n) F[u] = c->strength * h[u];
-  SKF_EACH(u, n) slope[u] = (vd_set(4) * c->slope * slope[u]) * h[u];
+  SKF_EACH(u, n) slope[u] = (c->slope * slope[u]) * h[u];
   return good;
 }
 
@@ -58,12 +61,17 @@ typedef struct gaussian_row {
 static double *gaussian_pack(const skf_prepared *e, double *k) {
   double aa = e->kernel.param * e->kernel.param;
   k = pack_exponent_low(pack3(k, e->primitive.point.at), e->kernel.param);
-  return pack1(pack1(k, e->strength), 2 * aa * e->strength);
+  const double strength = ldexp(e->strength, -VD_GAUSSIAN_LIFT);
+  return pack1(pack1(k, strength), 2 * aa * strength);
 }
 
 typedef skf_vpower gaussian_point_state;
 SKF_INLINE void gaussian_point_begin(const gaussian_row *c, skf_vd w, skf_vpower *s) {
-  *s = SKF_COUNT(1, 0) ? vd_exp2_begin_low(c->exponent, c->low, w) : vd_exp2_begin(c->exponent, w);
+#ifdef SKF_VEC_FLOAT
+  *s = vd_gaussian_begin(c->exponent, w);
+#else
+  *s = vd_exp2_begin_low(c->exponent, c->low, w);
+#endif
 }
 SKF_INLINE void gaussian_point_middle(const gaussian_row *c, skf_vpower *s) {
   (void)c;
@@ -74,9 +82,10 @@ SKF_INLINE void gaussian_point_late(const gaussian_row *c, skf_vpower *s) {
   vd_exp2_late(s);
 }
 SKF_INLINE skf_vi gaussian_point_end(const gaussian_row *c, const skf_vpower *s, skf_vd *F, skf_vd *slope) {
-  const skf_vd h = vd_exp2_end(s);
+  skf_vd h;
+  const skf_vi good = vd_gaussian_end(s, &h);
   *F = c->strength * h, *slope = c->slope * h;
-  return vd_gaussian_near(s);
+  return good;
 }
 SKF_INLINE skf_vvalue gaussian_point_gone(const gaussian_row *c, skf_v3d x) {
   const skf_v3d d = vd3_sub(c->at, x);
@@ -98,13 +107,13 @@ SKF_INLINE skf_vd point_power(const point_row *c, skf_v3d x, skf_v3d d, skf_vd w
 SKF_INLINE skf_vi point_off_rim(size_t n, const skf_vd *m) {
   skf_vd least = vd_set(1);
   SKF_EACH(u, n) least = vd_min(vd_abs(m[u]), least);
-  return least > vd_set(SKF_PICK(0x1p-10, -1));
+  return (int)SKF_PICK(0, 1) ? vi_set(-1) : (skf_vi)(least > vd_set(0x1p-10));
 }
 
 /* h = m^2, or m^2 (5 + 4 m) / 9; m = q / R^2, and 0 beyond R */
 SKF_INLINE void quartic_from(const point_row *c, size_t n, const skf_vd *m, skf_vd *F, skf_vd *slope) {
   SKF_EACH(u, n) F[u] = c->strength * m[u] * m[u];
-  SKF_EACH(u, n) slope[u] = vd_set(4) * c->slope * m[u];
+  SKF_EACH(u, n) slope[u] = c->slope * m[u];
 }
 SKF_INLINE void soft_object_from(const point_row *c, size_t n, const skf_vd *m, skf_vd *F, skf_vd *slope) {
   SKF_EACH(u, n)
@@ -136,6 +145,23 @@ SKF_INLINE skf_vi point_plain(const point_row *c, size_t n, const skf_vd *w, skf
 POLYNOMIAL_POINT(quartic)
 POLYNOMIAL_POINT(soft_object)
 
+#ifdef SKF_VEC_FLOAT
+/* As it is written: m = 1 - r / R, of which rounding the point takes as much as this. */
+SKF_INLINE void metaball_from(const point_row *c, size_t n, const skf_vd *w, const skf_vd *power, skf_vd *F,
+                              skf_vd *slope) {
+  const skf_vd third = vd_set(1. / 9) * c->param2, steep = vd_set(3) * c->per_param * c->strength;
+  skf_vd r[4], m[4];
+  (void)power;
+  SKF_EACH(u, n) r[u] = vd_sqrt(w[u]);
+  SKF_EACH(u, n) m[u] = vd_max(vd_fnma(r[u], c->per_param, vd_set(1)), vd_set(0));
+  SKF_EACH(u, n) r[u] = steep * m[u] / r[u];
+  SKF_EACH(u, n) {
+    const skf_vi core = w[u] <= third;
+    F[u] = vd_select(core, vd_fnma(vd_set(3) * c->slope, w[u], c->strength), vd_set(1.5) * c->strength * m[u] * m[u]);
+    slope[u] = vd_select(core, vd_set(6) * c->slope, r[u]);
+  }
+}
+#else
 SKF_INLINE void metaball_from(const point_row *c, size_t n, const skf_vd *w, const skf_vd *power, skf_vd *F,
                               skf_vd *slope) {
   const skf_vd R = c->param, R2 = c->param2;
@@ -148,6 +174,7 @@ SKF_INLINE void metaball_from(const point_row *c, size_t n, const skf_vd *w, con
     slope[u] = c->strength * vd_select(core, vd_set(6) * c->per_param2, vd_set(3) * c->per_param * q * per);
   }
 }
+#endif
 SKF_INLINE skf_vi metaball_point_of(const point_row *c, size_t n, const skf_vd *w, skf_vd *F, skf_vd *slope) {
   skf_vd q[4], m[4];
   SKF_EACH(u, n) q[u] = c->param2 - w[u];

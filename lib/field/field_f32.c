@@ -99,8 +99,8 @@ typedef struct job {
 } job;
 
 /* In doubles, at points of the field's own frame; added to sum. */
-static void add_rest(const skf_field_f32 *f, size_t n, const float *const p[3], double sum[4][SKF_BATCH]) {
-  double x[3][SKF_BATCH], v[4][SKF_BATCH], *const g[3] = {v[1], v[2], v[3]};
+static void add_rest(const skf_field_f32 *f, size_t n, const float *const p[3], double sum[4][SKF_F32_BATCH]) {
+  double x[3][SKF_F32_BATCH], v[4][SKF_F32_BATCH], *const g[3] = {v[1], v[2], v[3]};
   const double *const in[3] = {x[0], x[1], x[2]};
   for (int k = 0; k < 3; k++) {
     double origin = v3_get(f->origin, k), unit = f->unit;
@@ -113,7 +113,7 @@ static void add_rest(const skf_field_f32 *f, size_t n, const float *const p[3], 
 }
 
 /* The points from `from` on, the last one again as padding; returns their number with the padding. */
-static size_t pad(const job *j, size_t from, size_t n, float room[3][SKF_BATCH], const float *p[3]) {
+static size_t pad(const job *j, size_t from, size_t n, float room[3][SKF_F32_BATCH], const float *p[3]) {
   size_t padded = (n + SKF_F32_PAD - 1) / SKF_F32_PAD * SKF_F32_PAD;
   for (int k = 0; k < 3; k++) {
     p[k] = j->p[k] + from;
@@ -125,15 +125,16 @@ static size_t pad(const job *j, size_t from, size_t n, float room[3][SKF_BATCH],
   return padded;
 }
 
-/* Whether a tile's sums need no doubles. */
+/* Whether sums need no doubles. */
 static bool plain(const skf_field_f32 *f) {
   double scale = f->top / f->unit;
-  return f->batch.tiles == 1 && !f->rest && f->top > 1e-20 && f->top < 1e20 && scale > 1e-20 && scale < 1e20;
+  return f->batch.tiles > 0 && f->batch.tiles <= SKF_F32_TILES && !f->rest && f->top > 1e-20 && f->top < 1e20 &&
+         scale > 1e-20 && scale < 1e20;
 }
 
 static const double *needed(const double scale[2]) { return scale[0] == 1 && scale[1] == 1 ? NULL : scale; }
 
-static void finish(size_t n, double sum[4][SKF_BATCH], int k, float *restrict out) {
+static void finish(size_t n, double sum[4][SKF_F32_BATCH], int k, float *restrict out) {
   const double *F = sum[0], *v = sum[k];
   if (k == 0)
     for (size_t i = 0; i < n; i++) out[i] = (float)v[i];
@@ -141,37 +142,36 @@ static void finish(size_t n, double sum[4][SKF_BATCH], int k, float *restrict ou
     for (size_t i = 0; i < n; i++) out[i] = F[i] - F[i] == 0 ? (float)v[i] : 0;
 }
 
-/* n points from `from` on, up to SKF_BATCH. Floats within a tile, doubles over tiles. */
+/* n points from `from` on, up to SKF_F32_BATCH. Floats within some tiles, doubles over all. */
 static void block(const job *j, size_t from, size_t n) {
   const skf_field_f32 *f = j->f;
-  float room[3][SKF_BATCH], part[4][SKF_BATCH], *const to[4] = {part[0], part[1], part[2], part[3]};
-  double sum[4][SKF_BATCH];
-  const double scale[2] = {f->top, f->top / f->unit};
+  float room[3][SKF_F32_BATCH], part[4][SKF_F32_BATCH], *const to[4] = {part[0], part[1], part[2], part[3]};
+  double sum[4][SKF_F32_BATCH];
+  const double scale[2] = {f->top, f->top / f->unit}, unscaled[2] = {1, 1};
   const float *p[3];
-  size_t padded = pad(j, from, n, room, p);
-  if (plain(f)) {
-    f->ops->add[f->batch.tile->form](f->batch.tile, padded, p, needed(scale), to);
-    for (int k = 0; k < 4; k++) /* an element alone has no infinities that cancel */
-      if (j->out[k]) f->ops->keep(n, f->batch.elements == 1 ? part[k] : part[0], part[k], j->out[k] + from);
-    return;
-  }
-  for (int k = 0; k < 4; k++) memset(sum[k], 0, n * sizeof(double));
+  const size_t padded = pad(j, from, n, room, p);
+  const bool floats = plain(f), lone = floats && f->batch.elements == 1;
+  if (!floats)
+    for (int k = 0; k < 4; k++) memset(sum[k], 0, n * sizeof(double));
   for (size_t t = 0; t < f->batch.tiles; t++) {
     const skf_tile *tile = f->batch.tile + t;
-    f->ops->add[tile->form](tile, padded, p, NULL, to);
-    for (int k = 0; k < 4; k++) {
-      double by = scale[k > 0];
-      for (size_t i = 0; i < n; i++) sum[k][i] += by * (double)part[k][i];
-    }
+    f->ops->add[tile->form](tile, padded, p, lone ? needed(scale) : NULL, to, t % SKF_F32_TILES > 0);
+    if (!floats && (t + 1 == f->batch.tiles || (t + 1) % SKF_F32_TILES == 0))
+      for (int k = 0; k < 4; k++) f->ops->gather(n, scale[k > 0], part[k], sum[k]);
   }
   if (f->rest) add_rest(f, n, p, sum);
-  for (int k = 0; k < 4; k++)
-    if (j->out[k]) finish(n, sum, k, j->out[k] + from);
+  for (int k = 0; k < 4; k++) {
+    if (!j->out[k]) continue;
+    if (floats) /* an element alone has no infinities that cancel */
+      f->ops->keep(n, lone ? unscaled : scale, lone ? part[k] : part[0], part[k], j->out[k] + from);
+    else
+      finish(n, sum, k, j->out[k] + from);
+  }
 }
 
 static void blocks(const job *j, size_t from, size_t n) {
-  for (size_t end = from + n; from < end; from += SKF_BATCH)
-    block(j, from, end - from < SKF_BATCH ? end - from : SKF_BATCH);
+  for (size_t end = from + n; from < end; from += SKF_F32_BATCH)
+    block(j, from, end - from < SKF_F32_BATCH ? end - from : SKF_F32_BATCH);
 }
 
 /* One element, all outputs: straight into them but for the last few points. */
@@ -181,7 +181,7 @@ static void direct(const job *j, size_t from, size_t n) {
   const float *const p[3] = {j->p[0] + from, j->p[1] + from, j->p[2] + from};
   float *const out[4] = {j->out[0] + from, j->out[1] + from, j->out[2] + from, j->out[3] + from};
   size_t whole = n / SKF_F32_PAD * SKF_F32_PAD;
-  if (whole > 0) f->ops->add[f->batch.tile->form](f->batch.tile, whole, p, needed(scale), out);
+  if (whole > 0) f->ops->add[f->batch.tile->form](f->batch.tile, whole, p, needed(scale), out, false);
   if (whole < n) block(j, from + whole, n - whole);
 }
 
@@ -194,8 +194,8 @@ skf_status skf_field_f32_eval(const skf_field_f32 *f, size_t n, const float *con
     range(&j, 0, n);
     return SKF_OK;
   }
-  size_t share = n / (4 * (size_t)omp_get_max_threads()), step = share / SKF_BATCH * SKF_BATCH;
-  if (step < SKF_BATCH) step = SKF_BATCH;
+  size_t share = n / (4 * (size_t)omp_get_max_threads()), step = share / SKF_F32_BATCH * SKF_F32_BATCH;
+  if (step < SKF_F32_BATCH) step = SKF_F32_BATCH;
 #pragma omp parallel for schedule(dynamic)
   for (size_t from = 0; from < n; from += step) range(&j, from, n - from < step ? n - from : step);
   return SKF_OK;
