@@ -53,7 +53,7 @@ static int exponent(double a) {
 
 static skf_vec3 times(skf_vec3 a, int power) { return v3(ldexp(a.x, power), ldexp(a.y, power), ldexp(a.z, power)); }
 
-static void scale(skf_element *e, int power) {
+void skf_element_scale(skf_element *e, int power) {
   skf_vec3 *at[3];
   double *radius;
   int n = positions(&e->primitive, at, &radius);
@@ -98,7 +98,7 @@ static skf_vec3 centroid(const skf_primitive *p) {
 static double shrink(skf_element *e, int *power) {
   int own = exponent(extent(e->primitive));
   skf_element unit = *e;
-  scale(&unit, -own);
+  skf_element_scale(&unit, -own);
   *power = own * (e->primitive.shape == SKF_TRIANGLE ? 2 : 1);
   e->primitive = (skf_primitive){.shape = SKF_POINT, .point.at = times(centroid(&unit.primitive), own)};
   return skf_primitive_measure(&unit.primitive);
@@ -140,7 +140,7 @@ void skf_extreme_value(const skf_prepared *prepared, skf_vec3 x, int order, skf_
   if (!(all > 0 && all < INFINITY)) return;
   int power = exponent(all), n = dimension(&e), own = 0;
   double measure = 1;
-  scale(&e, -power);
+  skf_element_scale(&e, -power);
   x = times(x, -power);
   if (extent(e.primitive) < small) measure = shrink(&e, &own);
   closed(e, x, order, v);

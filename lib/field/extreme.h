@@ -13,4 +13,8 @@ bool skf_moderate(const skf_element *e);
    finite points: next to a singular set, where the gradient overflows on its way, F = +infinity and the rest 0. */
 void skf_extreme_value(const skf_prepared *e, skf_vec3 x, int order, skf_value *v);
 
+/* Every length times 2^power: places, radii, the kernel's parameter; neither strengths nor solids nor users' kernels.
+ */
+void skf_element_scale(skf_element *e, int power);
+
 #endif

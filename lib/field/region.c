@@ -21,7 +21,7 @@ static double beyond(const skf_field *f, int i, double sign, double c) {
 
 /* The nearest such plane that the elements' reach allows, to a thousandth of its distance. */
 static double face(const skf_field *f, double iso, int i, double sign, double top, double scale) {
-  double far = scale;
+  double far = fmin(scale, 1e300);
   while (beyond(f, i, sign, top + sign * far) >= iso && far < 1e300) far *= 2;
   double near = far;
   do {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Queries: what is met on a ray, polished and handed out. */
-#include "core/vec3.h"
 #include "ray/ask.h"
+#include "ray/frame.h"
 #include <omp.h>
 
 static skf_status end(const skf_question *q, skf_status s, skf_ray_report *report) {
@@ -37,8 +37,14 @@ static bool collect(void *user, skf_walk *w, const skf_knot *a, const skf_knot *
   return true;
 }
 
-skf_status skf_tracer_all(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_hit *hits, size_t *count,
-                          skf_ray_report *report) {
+/* Where nothing can be told of the ray. */
+static skf_status lose(skf_ray_report *report) {
+  if (report) report->grazing++;
+  return SKF_OK;
+}
+
+static skf_status all(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_hit *hits, size_t *count,
+                      skf_ray_report *report) {
   collector c;
   skf_question q = {.tracer = tracer, .found = collect};
   int last;
@@ -47,6 +53,17 @@ skf_status skf_tracer_all(const skf_tracer *tracer, const skf_ray *ray, size_t c
   serve(&q, &c.room);
   *count = c.count;
   return end(&q, s, report);
+}
+
+skf_status skf_tracer_all(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_hit *hits, size_t *count,
+                          skf_ray_report *report) {
+  if (!skf_frame_needed(tracer, ray)) return all(tracer, ray, capacity, hits, count, report);
+  skf_frame f = skf_frame_of(tracer, ray);
+  *count = 0;
+  if (f.lost) return lose(report);
+  skf_status s = all(f.tracer, &f.ray, capacity, hits, count, report);
+  for (size_t i = 0; i < *count && i < capacity; i++) skf_frame_leave(&f, tracer, hits + i);
+  return s;
 }
 
 typedef struct span_list {
@@ -93,7 +110,7 @@ static skf_hit end_of_ray(const skf_ray *ray, double t) {
   return h;
 }
 
-skf_status skf_tracer_spans(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_span *spans,
+static skf_status all_spans(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_span *spans,
                             size_t *count, skf_ray_report *report) {
   span_list l;
   skf_question q = {.tracer = tracer, .found = add_crossing};
@@ -108,6 +125,21 @@ skf_status skf_tracer_spans(const skf_tracer *tracer, const skf_ray *ray, size_t
   }
   *count = l.count;
   return end(&q, s, report);
+}
+
+skf_status skf_tracer_spans(const skf_tracer *tracer, const skf_ray *ray, size_t capacity, skf_span *spans,
+                            size_t *count, skf_ray_report *report) {
+  if (!skf_frame_needed(tracer, ray)) return all_spans(tracer, ray, capacity, spans, count, report);
+  skf_frame f = skf_frame_of(tracer, ray);
+  *count = 0;
+  if (f.lost) return lose(report);
+  skf_status s = all_spans(f.tracer, &f.ray, capacity, spans, count, report);
+  for (size_t i = 0; i < *count && i < capacity; i++) {
+    skf_frame_leave(&f, tracer, &spans[i].in), skf_frame_leave(&f, tracer, &spans[i].out);
+    if (spans[i].starts_inside) spans[i].in.t = ray->t_min, spans[i].in.at = end_of_ray(ray, ray->t_min).at;
+    if (spans[i].ends_inside) spans[i].out.t = ray->t_max, spans[i].out.at = end_of_ray(ray, ray->t_max).at;
+  }
+  return s;
 }
 
 static bool take_first(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, double guess) {
@@ -126,8 +158,8 @@ static bool stop(void *user, skf_walk *w, const skf_knot *a, const skf_knot *b, 
 /* Rays for a thread at a time: it changes no result. */
 enum { SHARE = 1024 };
 
-skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray, skf_hit *hit, bool *found,
-                            skf_ray_report *report) {
+static skf_status first(const skf_tracer *tracer, const skf_ray *ray, skf_hit *hit, bool *found,
+                        skf_ray_report *report) {
   skf_question q = {.tracer = tracer, .found = take_first, .first = true, .exact = true};
   int last;
   skf_room room;
@@ -138,12 +170,39 @@ skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray, skf_hi
   return end(&q, s, report);
 }
 
+skf_status skf_tracer_first(const skf_tracer *tracer, const skf_ray *ray, skf_hit *hit, bool *found,
+                            skf_ray_report *report) {
+  if (!skf_frame_needed(tracer, ray)) return first(tracer, ray, hit, found, report);
+  skf_frame f = skf_frame_of(tracer, ray);
+  *found = false;
+  if (f.lost) return lose(report);
+  skf_status s = first(f.tracer, &f.ray, hit, found, report);
+  if (*found) skf_frame_leave(&f, tracer, hit);
+  return s;
+}
+
 skf_status skf_tracer_occluded(const skf_tracer *tracer, const skf_ray *ray, bool *occluded, skf_ray_report *report) {
-  skf_question q = {.tracer = tracer, .found = stop, .first = true};
+  skf_frame f = {tracer, *ray, 0, false};
+  if (skf_frame_needed(tracer, ray)) f = skf_frame_of(tracer, ray);
+  skf_question q = {.tracer = f.tracer, .found = stop, .first = true};
   int last;
   *occluded = false;
-  skf_status s = skf_ask(&q, ray, &(skf_answer){.found = occluded}, &last);
+  if (f.lost) return lose(report);
+  skf_status s = skf_ask(&q, &f.ray, &(skf_answer){.found = occluded}, &last);
   return end(&q, s, report);
+}
+
+/* Rays of which one needs a frame, one by one. hits may be NULL */
+static skf_status answer_framed(skf_question *q, size_t n, const skf_ray *rays, skf_hit *hits, bool *found) {
+  skf_status status = SKF_OK, s;
+  for (size_t i = 0; i < n; i++) {
+    if (hits)
+      s = skf_tracer_first(q->tracer, rays + i, hits + i, found + i, &q->report);
+    else
+      s = skf_tracer_occluded(q->tracer, rays + i, found + i, &q->report);
+    status = s ? s : status;
+  }
+  return status;
 }
 
 /* hits may be NULL */
@@ -156,7 +215,10 @@ static skf_status answer_share(skf_question *q, size_t n, const skf_ray *rays, s
     size_t m = n - from < SKF_PACKET ? n - from : SKF_PACKET;
     for (size_t i = 0; i < m; i++)
       found[from + i] = false, a[i] = (skf_answer){hits ? hits + from + i : NULL, found + from + i, &room};
-    skf_status s = skf_ask_many(q, m, rays + from, a);
+    bool framed = false;
+    for (size_t i = 0; i < m; i++) framed = framed || skf_frame_needed(q->tracer, rays + from + i);
+    skf_status s = framed ? answer_framed(q, m, rays + from, hits ? hits + from : NULL, found + from)
+                          : skf_ask_many(q, m, rays + from, a);
     status = s ? s : status;
     while (room.count >= SKF_ROOM) skf_room_serve(&room, q->tracer, &q->report);
   }

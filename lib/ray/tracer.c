@@ -2,6 +2,7 @@
 /* Tracers: a field made ready for rays. */
 #include "core/alloc.h"
 #include "core/vec3.h"
+#include "ray/rescale.h"
 #include "ray/walk.h"
 #include <float.h>
 #include <stdint.h>
@@ -139,6 +140,37 @@ static skf_status fill(skf_tracer *t) {
   return skf_octree_new(t->field, t->sources, t->blobs, t->n, t->iso, t->noise, t->region, &t->tree);
 }
 
+/* Of rays that start this many diagonals of the region away, rounding of the places would blur the surface. */
+#define FAR 4096
+
+static void set_middle(skf_tracer *t) {
+  double far = FAR * box_diagonal(t->region);
+  t->far2 = t->reach == SKF_OK && far > 0 ? far * far : INFINITY;
+  t->middle = t->reach == SKF_OK ? box_center(t->region) : v3(0, 0, 0);
+}
+
+static skf_status set_copy(skf_tracer *t) {
+  double iso;
+  skf_status s = skf_rescale(t->field, t->iso, &t->power, &iso, &t->copied);
+  if (s || !t->power) return s;
+  s = skf_tracer_new_with(t->copied, iso, &(skf_tracer_options){.normals = t->normals}, &t->copy);
+  if (!s && t->copy->copy) s = SKF_ERR_RANGE; /* cannot be: its size is about 1 */
+  return s;
+}
+
+/* Squares of distances must not overflow. */
+static bool is_in_range(const skf_field *f) {
+  const double farthest = 3e153;
+  for (size_t i = 0; i < skf_field_size(f); i++) {
+    const skf_primitive *p = &skf_field_element(f, i)->primitive;
+    skf_box b = skf_primitive_bounds(p);
+    if (p->shape == SKF_PLANE) b.lo = b.hi = p->plane.through;
+    for (int k = 0; k < 3; k++)
+      if (!(v3_get(b.lo, k) >= -farthest && v3_get(b.hi, k) <= farthest)) return false;
+  }
+  return true;
+}
+
 skf_status skf_tracer_new(const skf_field *field, double iso, skf_tracer **out) {
   return skf_tracer_new_with(field, iso, NULL, out);
 }
@@ -149,10 +181,12 @@ skf_status skf_tracer_new_with(const skf_field *field, double iso, const skf_tra
   *out = NULL;
   if (!isfinite(iso) || !(normals >= 0 && normals <= 1e-3)) return SKF_ERR_ARG;
   if (!skf_field_has_bound(field, NULL)) return SKF_ERR_UNSUPPORTED;
+  if (!is_in_range(field)) return SKF_ERR_RANGE;
   skf_tracer *t = skf_alloc(1, sizeof *t);
   if (!t) return SKF_ERR_NOMEM;
   t->field = field, t->iso = iso, t->normals = normals, t->noise = 2 * DBL_EPSILON, t->isa = skf_isa_pick();
   skf_status s = fill(t);
+  if (!s) set_middle(t), s = set_copy(t);
   if (s) return skf_tracer_free(t), s;
   return *out = t, SKF_OK;
 }
@@ -165,5 +199,7 @@ void skf_tracer_free(skf_tracer *t) {
   skf_free(t->blobs);
   skf_field_free(t->plus);
   skf_field_free(t->minus);
+  skf_tracer_free(t->copy);
+  skf_field_free(t->copied);
   skf_free(t);
 }

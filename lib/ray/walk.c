@@ -12,6 +12,9 @@
 
 enum { DEPTH = 128 };
 
+/* Of cells that are left undecided on one piece of a ray; after them no cell is halved any more. */
+enum { MANY = 1 << 14 };
+
 static double largest(skf_vec3 a) { return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z))); }
 
 /* Planes whose field is linear on this piece of the ray. */
@@ -66,11 +69,19 @@ typedef struct cell {
   double change;       /* by which F can change along it */
 } cell;
 
+static double or_nothing(double x, double nothing) { return isnan(x) ? nothing : x; }
+
+/* What has overflowed on its way bounds nothing. */
+static cell known(cell c) {
+  return (cell){or_nothing(c.lo, -INFINITY), or_nothing(c.hi, INFINITY), or_nothing(c.error, INFINITY),
+                or_nothing(c.slope, INFINITY), or_nothing(c.change, INFINITY)};
+}
+
 /* By what is known of the whole leaf. */
 static cell enclose_in_leaf(const skf_leaf *leaf, double L) {
   double L2 = L * L, L4 = L2 * L2;
-  return (cell){-INFINITY, INFINITY, fmin(L4 / 384 * leaf->fourth, L2 / 16 * leaf->bend),
-                fmin(0.00801876 * L4 * leaf->fourth, 0.2516 * L2 * leaf->bend), L * leaf->slope};
+  return known((cell){-INFINITY, INFINITY, fmin(L4 / 384 * leaf->fourth, L2 / 16 * leaf->bend),
+                      fmin(0.00801876 * L4 * leaf->fourth, 0.2516 * L2 * leaf->bend), L * leaf->slope});
 }
 
 /* Largest distance from the source along the cell, whose middle is at d: the distance from what is convex is so along
@@ -116,7 +127,7 @@ static cell enclose(const skf_walk *w, double a, double b) {
     c.error += x * fmin(L4 / 384 * g.above.fourth, L2 / 16 * g.above.bend);
     c.slope += x * fmin(0.00801876 * L4 * g.above.fourth, 0.2516 * L2 * g.above.bend);
   }
-  return c;
+  return known(c);
 }
 
 static int sign_of(const skf_knot *k) { return fabs(k->f) > k->noise ? (k->f > 0 ? 1 : -1) : 0; }
@@ -150,6 +161,7 @@ static verdict judge(skf_walk *w, const skf_knot *a, const skf_knot *b, const ce
 bool skf_walk_piece(skf_walk *w, skf_knot *a, double end, skf_crossing_fn *found, void *user) {
   skf_knot stack[DEPTH];
   int depth = 0;
+  size_t undecided = w->report.grazing + MANY;
   double iso = w->tracer->iso, grain = 8 * DBL_EPSILON * largest(w->origin);
   stack[depth++] = (skf_knot){.t = end};
   while (depth > 0) {
@@ -157,7 +169,8 @@ bool skf_walk_piece(skf_walk *w, skf_knot *a, double end, skf_crossing_fn *found
     double L = b->t - a->t, mid = a->t + 0.5 * L, guess;
     int before = w->last;
     verdict v = HALVE;
-    bool floor = depth == DEPTH || L <= grain + 8 * DBL_EPSILON * fmax(fabs(a->t), fabs(b->t));
+    bool floor = depth == DEPTH || w->report.grazing >= undecided || !(mid > a->t && mid < b->t) ||
+                 L <= grain + 8 * DBL_EPSILON * fmax(fabs(a->t), fabs(b->t));
     cell c = enclose(w, a->t, b->t);
     w->report.cells++;
     if (c.hi <= iso || c.lo >= iso) {

@@ -21,6 +21,12 @@ struct skf_tracer {
   skf_isa isa;
   double normals; /* see skf_tracer_options */
   double noise;   /* relative rounding error of F against the sum of the elements' magnitudes */
+  /* Where powers of the lengths leave the range of doubles, rays are answered by a copy, all lengths times 2^power. */
+  skf_tracer *copy;
+  skf_field *copied;
+  int power;
+  skf_vec3 middle; /* of the region */
+  double far2;     /* rays that start farther than this from it, squared, are begun next to it; INFINITY: no region */
 };
 
 /* The field at one place of the ray. */

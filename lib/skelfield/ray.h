@@ -30,8 +30,8 @@ typedef struct skf_ray_report {
 } skf_ray_report;
 
 /* A field with an iso value, ready for rays: immutable, safe to share between threads. Borrows the field. iso may have
-   any sign, strengths too; surfaces may be unbounded. SKF_ERR_ARG if iso is not finite, SKF_ERR_UNSUPPORTED if an
-   element has no bounds (skf_field_has_bound). */
+   any sign, strengths too; surfaces may be unbounded. SKF_ERR_ARG if iso is not finite, SKF_ERR_RANGE if a primitive
+   goes beyond 3e153 in a coordinate, SKF_ERR_UNSUPPORTED if an element has no bounds (skf_field_has_bound). */
 typedef struct skf_tracer skf_tracer;
 
 SKF_API skf_status skf_tracer_new(const skf_field *field, double iso, skf_tracer **out);

@@ -159,6 +159,128 @@ static void scales(void **unused) {
     }
 }
 
+/* Times a power of two: the hits are the same, all digits of them. */
+static void huge_and_tiny(void **unused) {
+  (void)unused;
+  static const int powers[] = {-480, -330, -200, 200, 330, 480};
+  size_t hits = 0;
+  for (int k = 0; k < SKF_KERNEL_COUNT; k++)
+    for (int shape = 0; shape < 3; shape++)
+      for (int j = 0; j < 6; j++) {
+        double s = ldexp(1, powers[j]), width = skf_kernel_get((skf_kernel_type)k)->compact ? 1.5 : 1.2;
+        skf_element e = {.kernel = {(skf_kernel_type)k, width}, .strength = 1}, x;
+        e.primitive.shape = (skf_shape[]){SKF_POINT, SKF_SEGMENT, SKF_ARC}[shape];
+        if (shape == 1) e.primitive.segment = (skf_segment){{-1, 0, 0}, {1, 0, 0}};
+        if (shape == 2) e.primitive.arc = (skf_arc){{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1, 2 * SKF_PI};
+        x = e;
+        x.kernel.param *= width > 1.3 ? s : 1 / s;
+        if (shape == 1) x.primitive.segment = (skf_segment){{-s, 0, 0}, {s, 0, 0}};
+        if (shape == 2) x.primitive.arc.radius = s;
+        int dimension = (shape > 0) - (k == SKF_INVERSE) - 2 * (k == SKF_INVERSE_SQUARED);
+        double iso = shape == 0 ? 0.4 : shape == 1 ? 1.1 : 1.5;
+        skf_field *f, *g;
+        skf_tracer *t = tracer_of(&e, 1, iso, &f), *u = tracer_of(&x, 1, ldexp(iso, dimension * powers[j]), &g);
+        skf_ray r[9];
+        skf_hit first[9], h[DENSE_HITS], l[DENSE_HITS];
+        bool found[9], hidden;
+        for (int i = 0; i < 9; i++) {
+          skf_vec3 o = v3(0.1 * i, -4, 0.02 * i);
+          size_t n = hits_of(t, o, v3(0.02, 1, 0.01), h);
+          r[i] = (skf_ray){v3_scale(s, o), {0.02, 1, 0.01}, 0, INFINITY};
+          assert_int_equal(hits_of(u, r[i].origin, r[i].direction, l), n);
+          for (size_t m = 0; m < n; m++) {
+            check_close(l[m].t / s, h[m].t, 1e-13);
+            check_scaled(v3_dist(v3_scale(1 / s, l[m].at), h[m].at), 0.0, 1.0, 1e-12);
+            check_scaled(v3_dist(l[m].normal, h[m].normal), 0.0, 1.0, 1e-10);
+          }
+          skf_span span[4];
+          size_t spans;
+          assert_int_equal(skf_tracer_spans(u, r + i, 4, span, &spans, NULL), SKF_OK);
+          if (n % 2 == 0) assert_int_equal(2 * spans, n); /* else it starts inside */
+          for (size_t m = 0; m < spans && n % 2 == 0; m++)
+            assert_true(span[m].in.t == l[2 * m].t && span[m].out.t == l[2 * m + 1].t);
+          assert_int_equal(skf_tracer_occluded(u, r + i, &hidden, NULL), SKF_OK);
+          assert_true(hidden == (n > 0));
+          hits += n;
+        }
+        assert_int_equal(skf_tracer_first_many(u, 9, r, first, found, NULL), SKF_OK);
+        for (int i = 0; i < 9; i++) {
+          bool alone;
+          assert_int_equal(skf_tracer_first(u, r + i, l, &alone, NULL), SKF_OK);
+          assert_true(found[i] == alone);
+          if (alone) assert_true(first[i].t == l[0].t && first[i].at.x == l[0].at.x);
+          assert_int_equal(hits_of(u, r[i].origin, r[i].direction, l) > 0, alone);
+          if (alone) check_close(first[i].t / s, l[0].t / s, 1e-14);
+        }
+        done_with(t, f), done_with(u, g);
+      }
+  print_message("huge and tiny: %zu hits\n", hits);
+  assert_true(hits > 500);
+}
+
+/* A ray keeps its place to rounding of the sphere, however far away it starts. */
+static void from_afar(void **unused) {
+  (void)unused;
+  skf_element e = {.primitive = {.shape = SKF_POINT}, .kernel = {SKF_CAUCHY, 1}, .strength = 1};
+  skf_field *f;
+  skf_tracer *t = tracer_of(&e, 1, 0.25, &f);
+  for (int power = 5; power <= 22; power++) {
+    double far = pow(10, power);
+    for (int turn = 0; turn < 3; turn++) { /* 3 x - 4 z, 3 z + 4 x are exact where far is */
+      skf_vec3 o = turn == 0 ? v3(far, 0.5, 0) : turn == 1 ? v3(0.5, -far, 0) : v3(3 * far, 0.5, 4 * far);
+      skf_vec3 d = turn == 0 ? v3(-1, 0, 0) : turn == 1 ? v3(0, 1e-3, 0) : v3(-3, 0, -4);
+      skf_ray r = {o, d, 0, INFINITY}, back = {o, v3_scale(-1, d), 0, INFINITY};
+      skf_hit h[DENSE_HITS];
+      size_t n;
+      skf_ray_report report = {0};
+      bool found, any;
+      assert_int_equal(skf_tracer_all(t, &r, DENSE_HITS, h, &n, &report), SKF_OK);
+      assert_int_equal(n, 2);
+      assert_int_equal(report.grazing, 0);
+      check_close(h[0].t, (turn == 2 ? 5 : 1) * far - sqrt(0.75), 4e-16);
+      check_scaled(v3_norm(h[0].at), 1.0, 1.0, 1e-14);
+      check_scaled(fabs(turn == 1 ? h[0].at.x : h[0].at.y), 0.5, 1.0, 1e-14);
+      skf_hit one;
+      assert_int_equal(skf_tracer_first_many(t, 1, &r, &one, &found, NULL), SKF_OK);
+      assert_true(found && one.t == h[0].t);
+      assert_int_equal(skf_tracer_occluded_many(t, 1, &back, &any, NULL), SKF_OK);
+      assert_false(any);
+      r.t_max = 0.5 * far;
+      assert_int_equal(skf_tracer_occluded(t, &r, &any, NULL), SKF_OK);
+      assert_false(any);
+    }
+  }
+  done_with(t, f);
+}
+
+/* Lengths that no doubles hold at once: it ends, and what is not decided is counted. */
+static void far_apart(void **unused) {
+  (void)unused;
+  for (int power = 10; power <= 300; power += 10) {
+    skf_element e[2] = {{.primitive = {.shape = SKF_POINT}, .kernel = {SKF_CAUCHY, 2.5}, .strength = 1},
+                        {.primitive = {.shape = SKF_SEGMENT}, .kernel = {SKF_CAUCHY, 2.5}, .strength = 1}};
+    e[0].primitive.point.at = v3(0, 0, pow(10, power));
+    e[1].primitive.segment = (skf_segment){{-2, 0, 0}, {2, 0, 0}};
+    skf_field *f;
+    skf_tracer *t;
+    assert_int_equal(skf_field_new(e, 2, &f), SKF_OK);
+    assert_int_equal(skf_tracer_new(f, 0.35, &t), power <= 150 ? SKF_OK : SKF_ERR_RANGE);
+    if (power > 150) {
+      skf_field_free(f);
+      continue;
+    }
+    skf_ray r = {{0.1, 0.02, 5}, {0, 0.001, -1}, 0, INFINITY};
+    skf_hit h[DENSE_HITS];
+    size_t n;
+    skf_ray_report report = {0};
+    assert_int_equal(skf_tracer_all(t, &r, DENSE_HITS, h, &n, &report), SKF_OK);
+    assert_true(n == 2 || report.grazing > 0);
+
+    assert_true(report.cells < 10000000);
+    done_with(t, f);
+  }
+}
+
 /* Planes: the surface has no bounds, the ray may run for ever. */
 static void planes(void **unused) {
   (void)unused;
@@ -300,8 +422,9 @@ static void along(void **unused) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(sphere),  cmocka_unit_test(through_the_donut), cmocka_unit_test(scales),
-      cmocka_unit_test(planes),  cmocka_unit_test(one_plane),         cmocka_unit_test(tangents),
-      cmocka_unit_test(queries), cmocka_unit_test(random_scenes),     cmocka_unit_test(along)};
+      cmocka_unit_test(sphere),        cmocka_unit_test(through_the_donut), cmocka_unit_test(scales),
+      cmocka_unit_test(planes),        cmocka_unit_test(one_plane),         cmocka_unit_test(tangents),
+      cmocka_unit_test(queries),       cmocka_unit_test(random_scenes),     cmocka_unit_test(along),
+      cmocka_unit_test(huge_and_tiny), cmocka_unit_test(from_afar),         cmocka_unit_test(far_apart)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
