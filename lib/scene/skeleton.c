@@ -137,6 +137,21 @@ static skf_status grow(skf_reader *r, skf_pieces *into) {
   return SKF_OK;
 }
 
+/* Squares of what is larger, and of its differences, overflow. */
+static const double farthest = 1e153;
+
+static bool is_beyond(const skf_primitive *p) {
+  const skf_shape_info *info = skf_shape_get(p->shape);
+  for (int i = 0; i < info->param_count; i++) {
+    const skf_param *a = info->params + i;
+    if (a->type == SKF_PARAM_SOLID || strcmp(a->unit, "L") != 0) continue;
+    const double *x = (const double *)((const char *)p + a->offset);
+    for (int k = 0; k < (a->type == SKF_PARAM_NUMBER ? 1 : 3 * a->count); k++)
+      if (fabs(x[k]) > farthest) return true;
+  }
+  return false;
+}
+
 skf_status skf_add_piece(skf_reader *r, const skf_entry *e, const skf_primitive *p, skf_pieces *into) {
   const char *why;
   skf_body *b = into->body;
@@ -145,6 +160,9 @@ skf_status skf_add_piece(skf_reader *r, const skf_entry *e, const skf_primitive 
   if (p->shape != SKF_PLANE && !isfinite(skf_primitive_measure(p)))
     return skf_error_set(r->error, SKF_ERR_RANGE, e->kind->line,
                          "measure of the %s overflows, expected smaller numbers", e->name);
+  if (is_beyond(p))
+    return skf_error_set(r->error, SKF_ERR_RANGE, e->kind->line,
+                         "a length in the %s is beyond %g, expected smaller ones", e->name, farthest);
   if (b->element_count == into->capacity && (s = grow(r, into))) return s;
   b->element_lines[b->element_count] = e->kind->line, b->look_of[b->element_count] = 0;
   b->elements[b->element_count++] = (skf_element){

@@ -38,6 +38,34 @@ run trace "$data/starfish.yaml" many.csv -o one.csv --threads 1
 run trace "$data/starfish.yaml" many.csv -o four.csv --threads 4
 expect "threads change nothing" cmp -s one.csv four.csv
 
+# lengths from 1e-110 to 1e150, and a start far away
+one() { # NAME ISO KERNEL PRIMITIVE RAY
+  write $1.yaml <<END
+skelfield: 1
+bodies:
+  - {name: b, iso: $2, kernel: {$3}, skeleton: [{$4}]}
+END
+  printf 'ox,oy,oz,dx,dy,dz\n%s\n' "$5" >$1.csv
+  run trace $1.yaml $1.csv
+}
+one tiny 2.5083232104033733e+110 'type: inverse-squared' 'segment: {from: [-1e-110, 0, 0], to: [1e-110, 0, 0]}' \
+  3e-111,2e-111,5e-110,0,0,-1
+expect_close "a tiny segment" "$(rows)" 2 0
+expect_close "where it is hit" "$(field 2 2)" 4.3e-110 1e-12
+one huge 1 'type: inverse' 'segment: {from: [0, 0, 0], to: [2e150, 0, 0]}' 1e150,5e150,0,0,-1,0
+expect_close "a huge segment" "$(rows)" 2 0
+expect_close "where that is hit" "$(field 2 4)" 1.9190347513349433e150 1e-14
+expect_close "and how far" "$(field 2 2)" 3.0809652486650568e150 1e-14
+one point 1e80 'type: inverse' 'point: {at: [0, 0, 0]}' 5e-81,0,5,0,0,-1
+expect_close "a tiny sphere" "$(rows)" 2 0
+expect_close "its height" "$(field 2 5)" 8.6602540378443865e-81 1e-12
+one afar 0.25 'type: cauchy, s: 1' 'point: {at: [0, 0, 0]}' 1e15,0.5,0,-1,0,0
+expect_close "a ray from afar" "$(rows)" 2 0
+expect_no_err "it says nothing"
+expect_close "at the right place" "$(field 2 3)" 0.86602540378443865 1e-14
+one beyond 0.35 'type: cauchy, s: 2.5' 'point: {at: [0, 0, 1e160]}' 0,0,5,0,0,-1
+expect_refused "lengths whose squares overflow" 'beyond.yaml:3: a length in the point is beyond 1e\+153, expected smaller'
+
 printf 'ox,oy,oz,dx,dy,dz\n1,2,3,1,0,0\n-5,0,0,0,0,0\n' >zero.csv
 run trace two.yaml zero.csv -o no.csv
 expect_refused "a zero direction" 'zero.csv:3: .*zero, expected'
