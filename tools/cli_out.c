@@ -17,6 +17,9 @@ static struct {
   char name[sizeof((cli_out *)0)->temp];
 } temps[OUTPUTS];
 
+/* Seconds that work has to notice a signal. */
+enum { PATIENCE = 5 };
+
 static volatile sig_atomic_t caught, polite;
 
 static void remove_temps(void) {
@@ -27,10 +30,21 @@ static void remove_temps(void) {
 static void on_signal(int number) {
   bool again = caught != 0;
   caught = number;
-  if (polite && !again) return;
+  if (polite && !again) {
+    alarm(PATIENCE);
+    return;
+  }
   remove_temps();
   signal(number, SIG_DFL);
   raise(number);
+}
+
+/* The work has not looked at it in time. */
+static void on_alarm(int number) {
+  (void)number;
+  remove_temps();
+  signal(caught, SIG_DFL);
+  raise(caught);
 }
 
 void cli_signals(void) {
@@ -41,11 +55,15 @@ void cli_signals(void) {
     if (sigaction(numbers[i], NULL, &old) == 0 && old.sa_handler != SIG_IGN) sigaction(numbers[i], &action, NULL);
   }
   signal(SIGPIPE, SIG_IGN);
+  signal(SIGALRM, on_alarm);
 }
 
 int cli_signal(void) { return caught; }
 void cli_polite(bool on) { polite = on; }
-bool cli_interrupted(void) { return caught != 0; }
+bool cli_interrupted(void) {
+  if (caught) alarm(0);
+  return caught != 0;
+}
 
 static void forget(const char *temp) {
   for (int i = 0; i < OUTPUTS; i++)
