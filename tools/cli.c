@@ -2,6 +2,7 @@
 /* Command lines against a command's table of options, and messages. */
 #include "cli_private.h"
 #include "core/number.h"
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -113,6 +114,17 @@ int cli_number(const cli *c, const char *option, double above, double *out) {
     return cli_fail(CLI_BAD, "--%s %s: expected a finite number%s%s", option, text, any ? "" : " > ", any ? "" : bound);
   }
   *out = x;
+  return CLI_DONE;
+}
+
+int cli_whole(const cli *c, const char *option, int least, int most, int *out) {
+  const char *text = cli_value(c, option);
+  if (!text) return CLI_DONE;
+  size_t used;
+  double x;
+  if (skf_number_read(text, &used, &x) != SKF_OK || text[used] || x != floor(x) || x < least || x > most)
+    return cli_fail(CLI_BAD, "--%s %s: expected a whole number from %d to %d", option, text, least, most);
+  *out = (int)x;
   return CLI_DONE;
 }
 

@@ -36,6 +36,9 @@ bool cli_given(const cli *c, const char *option);
  */
 int cli_number(const cli *c, const char *option, double above, double *out);
 
+/* The same for a whole number from least to most. */
+int cli_whole(const cli *c, const char *option, int least, int most, int *out);
+
 /* Prints "skelfield: ..." as one line on stderr and returns status. */
 int cli_fail(int status, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* The same for a library status: CLI_BAD for bad input, CLI_FAILED otherwise. */

@@ -6,16 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int whole(const cli *c, const char *option, int least, int most, int *out) {
-  double x = *out;
-  int status = cli_number(c, option, least - 1, &x);
-  if (status) return status;
-  if (x != floor(x) || x > most)
-    return cli_fail(CLI_BAD, "--%s %s: expected a whole number from %d to %d", option, cli_value(c, option), least,
-                    most);
-  return *out = (int)x, CLI_DONE;
-}
-
 static int parse_kind(map_job *j) {
   const char *name = cli_value(j->c, "quantity");
   if (!name) return j->kind = MAP_F, CLI_DONE;
@@ -46,8 +36,8 @@ static int parse(map_job *j) {
   int status = parse_kind(j);
   if (!status) status = parse_ranges(j);
   if (!status) status = picture_size(c, &j->width, &j->height);
-  if (!status) status = whole(c, "levels", 0, 60, &j->levels);
-  if (!status) status = whole(c, "every", 1, 64, &j->every);
+  if (!status) status = cli_whole(c, "levels", 0, 60, &j->levels);
+  if (!status) status = cli_whole(c, "every", 1, 64, &j->every);
   if (status || (cli_given(c, "csv") && !cli_given(c, "output"))) return status;
   status = picture_format(c, &j->format);
   if (!status && j->format->linear)

@@ -4,16 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-static int whole(const cli *c, const char *option, double least, double most, int *out) {
-  double n = *out;
-  int status = cli_number(c, option, least - 1, &n);
-  if (!status && (n != floor(n) || n > most))
-    status =
-        cli_fail(CLI_BAD, "--%s %s: expected a whole number from %g to %g", option, cli_value(c, option), least, most);
-  *out = (int)n;
-  return status;
-}
-
 static int choice(const cli *c, const char *option, const char *const *words, int n, int *out) {
   const char *text = cli_value(c, option);
   char list[128] = "";
@@ -54,9 +44,9 @@ static int parse(render_job *j) {
   if (!status) status = picture_size(c, &j->what.width, &j->what.height);
   if (!status) status = choice(c, "quality", qualities, 3, &quality);
   if (!status) status = choice(c, "mode", modes, 3, &mode);
-  if (!status) status = whole(c, "spp", 1, 4096, &j->what.samples);
-  if (!status) status = whole(c, "bounces", 0, 64, &j->what.bounces);
-  if (!status) status = whole(c, "depth", 8, 16, &j->bits);
+  if (!status) status = cli_whole(c, "spp", 1, 4096, &j->what.samples);
+  if (!status) status = cli_whole(c, "bounces", 0, 64, &j->what.bounces);
+  if (!status) status = cli_whole(c, "depth", 8, 16, &j->bits);
   if (!status && j->bits != 8 && j->bits != 16) status = cli_fail(CLI_BAD, "--depth %d: expected 8 or 16", j->bits);
   if (!status) status = cli_number(c, "time", -INFINITY, &j->time);
   if (cli_given(c, "bounces") && j->what.bounces == 0) j->what.bounces = -1;

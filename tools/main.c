@@ -52,7 +52,7 @@ static int flush(int status) {
 }
 
 static int help(int argc, char **argv) {
-  if (argc == 0) {
+  if (argc == 0 || strcmp(argv[0], "help") == 0) {
     cli_help_program(stdout);
   } else if (strcmp(argv[0], "scene") == 0) {
     cli_help_scene(stdout);

@@ -11,11 +11,8 @@
 int render_film_parse(render_job *j) {
   const cli *c = j->c;
   const char *path = cli_value(c, "output"), *dot = path ? strrchr(path, '.') : NULL;
-  double n = 0;
-  int status = cli_number(c, "frames", 0, &n);
-  if (!status && cli_given(c, "frames") && (n != floor(n) || n < 2 || n > 100000))
-    status = cli_fail(CLI_BAD, "--frames %s: expected a whole number from 2 to 100000", cli_value(c, "frames"));
-  j->frames = (int)n;
+  j->frames = 0;
+  int status = cli_whole(c, "frames", 2, 100000, &j->frames);
   static const char *const others[] = {"fps", "until", "turntable"};
   for (int i = 0; i < 3 && !status && !j->frames; i++)
     if (cli_given(c, others[i])) status = cli_fail(CLI_BAD, "--%s: expected --frames with it", others[i]);

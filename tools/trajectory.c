@@ -3,6 +3,7 @@
 #include "trajectory.h"
 #include "adapt/module.h"
 #include <string.h>
+#include <strings.h>
 
 /* A format is written here, or by a module: HDF5 brings 35 libraries, which cost 10 ms of CPU at every start. Another
    module writes it by several processes together. */
@@ -32,7 +33,7 @@ static const trajectory_format *format_of(const char *path) {
   size_t n = path ? strlen(path) : 0;
   for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
     size_t m = strlen(formats[i].ending);
-    if (n > m && strcmp(path + n - m, formats[i].ending) == 0) return formats + i;
+    if (n > m && strcasecmp(path + n - m, formats[i].ending) == 0) return formats + i;
   }
   return cli_streams(path) ? formats : NULL;
 }

@@ -51,7 +51,8 @@ refused "too many levels" '--levels 1000: expected a whole number from 0 to 60' 
 for size in 10x10 800 800x x600 800x600x2 1e3x1e3 -800x600 99999x99999 ''; do
   refused "the size '$size'" "--size $size: expected WIDTHxHEIGHT" render ball.yaml -o a.png --size "$size"
 done
-refused "no rays" '--spp 0: expected' render ball.yaml -o a.png --spp 0
+refused "levels below 0" '--levels -3: expected a whole number from 0 to 60' map ball.yaml -o a.png --levels -3
+refused "no rays" '--spp 0: expected a whole number from 1 to 4096' render ball.yaml -o a.png --spp 0
 refused "half a ray" '--spp 1.5: expected a whole number' render ball.yaml -o a.png --spp 1.5
 refused "too wide a view" '--fov 180: expected degrees' render ball.yaml -o a.png --fov 180
 refused "a camera at what it looks at" 'the camera looks nowhere' render ball.yaml -o a.png --from 1,2,3 --to 1,2,3

@@ -33,6 +33,7 @@ refused "16 bits and marks" '--depth 16: expected no --contacts with it' render 
 refused "a cost as light" '--mode cost: .exr holds light' render ball.yaml -o a.exr --mode cost
 refused "a film on stdout" '--frames: a film is not written to stdout' render ball.yaml --frames 3
 refused "half a frame" '--frames 2.5: expected a whole number' render ball.yaml -o a.avi --frames 2.5
+refused "no frames" '--frames 0: expected a whole number from 2 to 100000' render ball.yaml -o a.avi --frames 0
 refused "a speed without a film" '--fps: expected --frames with it' render ball.yaml -o a.png --fps 3
 refused "a skeleton in offsets" '--skeleton with --mode offset' render ball.yaml -o a.png --skeleton --mode offset
 refused "an angle of parallel rays" "--fov 30: the scene's camera is orthographic" render ball.yaml -o a.png --fov 30

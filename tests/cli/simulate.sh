@@ -71,6 +71,9 @@ run simulate fall.yaml -o /dev/null
 expect_status "a device needs no ending" 0
 run simulate fall.yaml --ground-track moon
 expect_refused "an unknown body" "no body is called 'moon', expected one of sun"
+run simulate fall.yaml -o RUN.CSV
+expect_status "an ending in capitals" 0
+expect "writes the same" cmp -s run.csv RUN.CSV
 run simulate fall.yaml -o same.csv --contacts same.csv
 expect_refused "one file for two tables" "--output and --contacts name the same file"
 grep -v simulation fall.yaml >none.yaml

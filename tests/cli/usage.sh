@@ -18,6 +18,9 @@ expect_refused "an unknown command" ".*'orbit'"
 run --orbit
 expect_refused "an unknown option" ".*'--orbit'"
 
+run help help
+expect_status "help on help" 0
+expect_out "is the help" 'commands:'
 for command in $("$SKF_PROGRAM" --help | awk '/^[Cc]ommands/ { on = 1; next } /^[^ ]/ { on = 0 } on && /^  [a-z]/ && $1 != "help" { print $1 }'); do
   run "$command" --help
   expect_status "$command --help" 0
