@@ -103,13 +103,27 @@ bool skf_build_triangle(skf_builder *b, unsigned i, unsigned j, unsigned k) {
   return true;
 }
 
+/* Length of a line's end that the next line continues, 0: there is none at p. */
+static int joint(const skf_scan *s, const char *p) {
+  if (!s->joins || *p != '\\') return 0;
+  int n = p[1] == '\r' ? 2 : 1;
+  return p + n < s->end && p[n] == '\n' ? n + 1 : 0;
+}
+
 bool skf_scan_more(skf_scan *s) {
-  while (s->p < s->end && (*s->p == ' ' || *s->p == '\t' || *s->p == '\r')) s->p++;
+  int n = 0;
+  while (s->p < s->end && ((n = joint(s, s->p)) || *s->p == ' ' || *s->p == '\t' || *s->p == '\r'))
+    s->p += n ? n : 1, s->line += n > 0;
   return s->p < s->end && *s->p != '\n' && !(s->comment && *s->p == s->comment);
 }
 
 void skf_scan_end_line(skf_scan *s) {
-  while (s->p < s->end && *s->p != '\n') s->p++;
+  bool comment = false; /* which ends with its line */
+  while (s->p < s->end && *s->p != '\n') {
+    comment = comment || (s->comment && *s->p == s->comment);
+    int n = comment ? 0 : joint(s, s->p);
+    s->p += n ? n : 1, s->line += n > 0;
+  }
   if (s->p < s->end) s->p++, s->line++;
 }
 
@@ -126,7 +140,7 @@ static bool blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\
 bool skf_scan_word(skf_scan *s, char *word, size_t size) {
   size_t n = 0;
   if (!skf_scan_more(s)) return false;
-  for (; s->p < s->end && !blank(*s->p); s->p++)
+  for (; s->p < s->end && !blank(*s->p) && !joint(s, s->p); s->p++)
     if (n + 1 < size) word[n++] = *s->p;
   word[n] = 0;
   if (!n && s->p < s->end) s->p++; /* a NUL in the text */
@@ -135,7 +149,8 @@ bool skf_scan_word(skf_scan *s, char *word, size_t size) {
 
 bool skf_scan_number(skf_scan *s, double *out) {
   size_t used;
-  if (!skf_scan_more(s) || skf_number_read(s->p, &used, out) || !blank(s->p[used])) return false;
+  if (!skf_scan_more(s) || skf_number_read(s->p, &used, out) || !(blank(s->p[used]) || joint(s, s->p + used)))
+    return false;
   s->p += used;
   return isfinite(*out);
 }

@@ -29,6 +29,7 @@ typedef struct skf_scan {
   const char *p, *end;
   long line;
   char comment; /* starts a comment that runs to the end of the line; 0: there are none */
+  bool joins;   /* a backslash at the end of a line continues it on the next */
 } skf_scan;
 
 /* Skips blanks on this line; true when something is left on it. */

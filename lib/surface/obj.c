@@ -30,7 +30,7 @@ static bool is_ignored(const char *word) {
 
 /* Text whose first words are OBJ's. */
 static bool recognise(const char *data, size_t size) {
-  skf_scan s = {data, data + size, 1, '#'};
+  skf_scan s = {data, data + size, 1, '#', true};
   char word[8];
   while (skf_scan_any(&s) && skf_scan_word(&s, word, sizeof word)) {
     double x;
@@ -74,7 +74,7 @@ static skf_status read_face(skf_scan *s, skf_builder *b, skf_error *e) {
 static skf_status read_obj(const char *data, size_t size, skf_mesh *out, skf_error *e) {
   skf_builder b = {out, 0, 0};
   char word[32];
-  for (skf_scan s = {data, data + size, 1, '#'}; skf_scan_any(&s); skf_scan_end_line(&s)) {
+  for (skf_scan s = {data, data + size, 1, '#', true}; skf_scan_any(&s); skf_scan_end_line(&s)) {
     if (!skf_scan_word(&s, word, sizeof word))
       return skf_file_error(e, SKF_ERR_PARSE, s.line, "not text, expected Wavefront OBJ");
     if (!strcmp(word, "v")) {

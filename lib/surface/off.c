@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* OFF: text; "OFF", counts, vertices, polygons. */
+/* OFF: text; "OFF", which may be left out or tell that vertices carry more than their place, counts, vertices,
+ * polygons.
+ */
 #include "surface/files.h"
 #include <string.h>
 
@@ -13,7 +15,20 @@ static skf_status write_off(const skf_mesh *m, FILE *f) {
   return SKF_OK;
 }
 
-static bool recognise(const char *data, size_t size) { return size >= 4 && !memcmp(data, "OFF", 3); }
+/* Texture, colours, normals stand behind the place, on its line. */
+static const char *const headers[] = {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"};
+
+static bool is_header(const char *word) {
+  for (size_t i = 0; i < sizeof headers / sizeof *headers; i++)
+    if (!strcmp(word, headers[i])) return true;
+  return false;
+}
+
+static bool recognise(const char *data, size_t size) {
+  skf_scan s = {data, data + size, 1, '#'};
+  char word[16];
+  return size >= 4 && !memcmp(data, "OFF", 3) ? true : skf_scan_word(&s, word, sizeof word) && is_header(word);
+}
 
 static skf_status read_vertices(skf_scan *s, skf_builder *b, long n, skf_error *e) {
   for (long i = 0; i < n; i++) {
@@ -56,7 +71,9 @@ static skf_status read_off(const char *data, size_t size, skf_mesh *out, skf_err
   skf_builder b = {out, 0, 0};
   char word[16];
   long n[3];
-  if (!skf_scan_any(&s) || !skf_scan_word(&s, word, sizeof word) || strcmp(word, "OFF"))
+  if (skf_scan_any(&s) && *s.p >= '0' && *s.p <= '9')
+    ; /* the counts at once */
+  else if (!skf_scan_word(&s, word, sizeof word) || !is_header(word))
     return skf_file_error(e, SKF_ERR_PARSE, s.line, "expected \"OFF\" at the start");
   if (skf_scan_more(&s) && !strncmp(s.p, "BINARY", 6))
     return skf_file_error(e, SKF_ERR_UNSUPPORTED, s.line, "binary OFF is not read, expected text");

@@ -99,6 +99,10 @@ static void variants_are_read(void **state) {
   } good[] = {
       {"OFF\n4 2 0\n0 0 0\n1 0 0 # a comment\n1 1 0\n0 1 0\n\n3 0 1 2\n3 0 2 3 255 0 0\n", 4, 2},
       {"OFF 4 1 0 0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n", 4, 2},
+      {"COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 255 0 0 255\n0 1 0 0 0 0 0\n3 0 1 2\n", 3, 1},
+      {"NOFF\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n", 3, 1},
+      {"CNOFF\n# both\n3 1 0\n0 0 0 0 0 1 1 0 0 1\n1 0 0 0 0 1 1 0 0 1\n0 1 0 0 0 1 1 0 0 1\n3 0 1 2\n", 3, 1},
+      {"v 0 0 \\\n 0\nv 1 0 0\nvn 0 \\\r\n0 1\n# none \\\nv 1 1 0\nv 0 1 0\nf 1 2\\\n 3 \\\n4\n", 4, 2},
       {"# quad\r\nv 0 0 0\r\nv 1 0 0 0.5 0.5 0.5\r\nv 1 1 0\r\nv 0 1 0\r\nvt 0 0\r\nf 1/1 2/1 3/1 4/1\r\n", 4, 2},
       {"v 0 0 0\nv 1 0 0\nv 1 1 0\nf -3 -2 -1\nv 5 5 5\n", 4, 1},
       {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty uchar "
@@ -118,6 +122,25 @@ static void variants_are_read(void **state) {
     assert_int_equal(m.triangle_count, good[i].triangles);
     skf_mesh_free(&m);
   }
+}
+
+/* Without the word it is the name that tells. */
+static void off_without_its_word(void **state) {
+  (void)state;
+  static const char text[] = "# a triangle\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  char kept[sizeof path];
+  strcpy(kept, path);
+  strcat(path, ".off");
+  put(text, strlen(text));
+  skf_mesh m;
+  skf_error error;
+  skf_status s = skf_mesh_read(path, &m, &error);
+  unlink(path);
+  strcpy(path, kept);
+  if (s) fail_msg("line %ld: %s", error.line, error.text);
+  assert_int_equal(m.vertex_count, 3);
+  assert_int_equal(m.triangle_count, 1);
+  skf_mesh_free(&m);
 }
 
 static const struct {
@@ -150,6 +173,9 @@ static const struct {
     {"v 0 0 0\nv 1 0\nv 0 1 0\nf 1 2 3\n", 2},
     {"v 0 0 0\nv 1 0 inf\nv 0 1 0\nf 1 2 3\n", 2},
     {"v 0 0 0\nwhatever\n", 2},
+    {"v 0 0 \\\n0\nv 1 0 0\nv 0 1 0\nf 1 \\\n2 \\\n9\n", 7},
+    {"v 0 0 0 \\", 0},
+    {"COFF BINARY\n1 1 1\n", 1},
     {"ply\nformat ascii 1.0\n", 3},
     {"ply\nformat utf8 1.0\nend_header\n", 2},
     {"ply\nelement vertex 0\nend_header\n", 4},
@@ -249,6 +275,7 @@ int main(void) {
       cmocka_unit_test(endings_are_found),
       cmocka_unit_test(full_disk_is_an_error),
       cmocka_unit_test(variants_are_read),
+      cmocka_unit_test(off_without_its_word),
       cmocka_unit_test(malformed_text_is_refused),
       cmocka_unit_test(damaged_files_do_no_harm),
       cmocka_unit_test(memory_may_run_out),
