@@ -7,6 +7,12 @@
 #include <string.h>
 #include <yaml.h>
 
+enum {
+  ANCHORS = 1024,    /* at most */
+  COPIED = 1 << 18,  /* values that all aliases together stand for, at most: aliases of aliases grow without end */
+  MERGED_KEYS = 256, /* of a mapping with a merge key, at most */
+};
+
 enum { DEPTH = 16 }; /* a scene nests 8 deep: scene, bodies, body, skeleton, entry, triangle, vertices, vertex */
 
 typedef struct builder {
@@ -19,6 +25,11 @@ typedef struct builder {
   long last_line;
   int depth;
   uint32_t open[DEPTH], last[DEPTH]; /* the containers that are open, and their latest children */
+  struct anchor {
+    uint32_t name, node; /* in the pool, in the tree */
+  } anchors[ANCHORS];
+  int anchor_count;
+  size_t copied;
 } builder;
 
 skf_status skf_error_set(skf_error *error, skf_status status, long line, const char *format, ...) {
@@ -103,39 +114,143 @@ static skf_status add(builder *b, skf_node node) {
   return SKF_OK;
 }
 
-static skf_status add_scalar(builder *b) {
-  const yaml_event_t *e = &b->event;
+static skf_status add_text(builder *b, const void *text, size_t n, uint32_t *at) {
   skf_yaml *y = b->y;
-  size_t n = e->data.scalar.length;
-  if (memchr(e->data.scalar.value, 0, n))
-    return skf_error_set(b->error, SKF_ERR_PARSE, line_of(b), "text with a NUL character, expected plain text");
   char *pool = grow(y->pool, y->pool_size + n + 1, &y->pool_capacity, 1);
   if (!pool) return skf_error_set(b->error, SKF_ERR_NOMEM, 0, "out of memory");
   y->pool = pool;
-  memcpy(pool + y->pool_size, e->data.scalar.value, n);
+  memcpy(pool + y->pool_size, text, n);
   pool[y->pool_size + n] = 0;
-  skf_node node = {.type = SKF_NODE_SCALAR,
-                   .plain = e->data.scalar.style == YAML_PLAIN_SCALAR_STYLE,
-                   .line = (int)line_of(b),
-                   .text = (uint32_t)y->pool_size};
+  *at = (uint32_t)y->pool_size;
   y->pool_size += n + 1;
-  return add(b, node);
+  return SKF_OK;
 }
 
-static skf_status open_container(builder *b, unsigned char type) {
+static skf_status add_scalar(builder *b) {
+  const yaml_event_t *e = &b->event;
+  size_t n = e->data.scalar.length;
+  if (memchr(e->data.scalar.value, 0, n))
+    return skf_error_set(b->error, SKF_ERR_PARSE, line_of(b), "text with a NUL character, expected plain text");
+  skf_node node = {
+      .type = SKF_NODE_SCALAR, .plain = e->data.scalar.style == YAML_PLAIN_SCALAR_STYLE, .line = (int)line_of(b)};
+  skf_status s = add_text(b, e->data.scalar.value, n, &node.text);
+  return s ? s : add(b, node);
+}
+
+static skf_status open_container(builder *b, skf_node node) {
   if (b->depth == DEPTH)
     return skf_error_set(b->error, SKF_ERR_PARSE, line_of(b), "nested too deep, expected at most %d levels", DEPTH);
   uint32_t id = (uint32_t)b->y->node_count;
-  skf_status s = add(b, (skf_node){.type = type, .line = (int)line_of(b)});
+  skf_status s = add(b, node);
   if (s) return s;
   b->open[b->depth] = id;
   b->last[b->depth++] = 0;
   return SKF_OK;
 }
 
-static void close_container(builder *b) {
+static bool is_merge(const builder *b, const skf_node *key) {
+  return key->type == SKF_NODE_SCALAR && key->plain && strcmp(skf_node_text(b->y, key), "<<") == 0;
+}
+
+static bool has_key(const builder *b, const skf_node *map, const skf_node *key) {
+  for (const skf_node *k = skf_node_first(b->y, map); k; k = skf_node_next(b->y, skf_node_next(b->y, k)))
+    if (k->type == SKF_NODE_SCALAR && key->type == SKF_NODE_SCALAR &&
+        strcmp(skf_node_text(b->y, k), skf_node_text(b->y, key)) == 0)
+      return true;
+  return false;
+}
+
+static skf_status refuse_merge(const builder *b, const skf_node *at, const char *what) {
+  return skf_error_set(b->error, SKF_ERR_PARSE, at->line, "a merge key (<<) %s", what);
+}
+
+/* Moves the pairs of `from` whose keys the map lacks behind its last value. */
+static skf_status merge(builder *b, skf_node *map, const skf_node *from, uint32_t *last) {
+  skf_node *nodes = b->y->nodes;
+  if (from->type != SKF_NODE_MAP)
+    return refuse_merge(b, from, "of something else, expected a mapping or a list of them");
+  if (map->count + from->count > MERGED_KEYS) return refuse_merge(b, from, "of a large mapping, expected fewer keys");
+  for (uint32_t k = from->first, next; k; k = next) {
+    uint32_t value = nodes[k].next;
+    next = nodes[value].next;
+    if (has_key(b, map, nodes + k)) continue;
+    nodes[value].next = 0;
+    *(*last ? &nodes[*last].next : &map->first) = k;
+    *last = value, map->count++;
+  }
+  return SKF_OK;
+}
+
+/* Replaces the merge keys of a map by what it lacks of theirs: its own keys count before, the first of several. */
+static skf_status merge_all(builder *b, skf_node *map) {
+  skf_node *nodes = b->y->nodes;
+  uint32_t merged[8], last = 0;
+  int count = 0;
+  for (uint32_t k = map->first, before = 0, next; k; k = next) {
+    uint32_t value = nodes[k].next;
+    next = nodes[value].next;
+    if (!is_merge(b, nodes + k)) {
+      before = last = value;
+      continue;
+    }
+    if (count == 8) return refuse_merge(b, nodes + k, "for the ninth time, expected a list of mappings");
+    merged[count++] = value, map->count--;
+    *(before ? &nodes[before].next : &map->first) = next;
+  }
+  skf_status s = SKF_OK;
+  for (int i = 0; i < count && !s; i++) {
+    const skf_node *from = nodes + merged[i];
+    if (from->type != SKF_NODE_LIST)
+      s = merge(b, map, from, &last);
+    else
+      for (uint32_t k = from->first, next; k && !s; k = next) next = nodes[k].next, s = merge(b, map, nodes + k, &last);
+  }
+  return s;
+}
+
+static skf_status close_container(builder *b) {
   skf_node *n = b->y->nodes + b->open[--b->depth];
-  if (n->type == SKF_NODE_MAP) n->count /= 2;
+  if (n->type != SKF_NODE_MAP) return SKF_OK;
+  n->count /= 2;
+  return merge_all(b, n);
+}
+
+/* A value that an alias stands for, again: its nodes keep the lines where it is written. */
+static skf_status copy(builder *b, uint32_t id) {
+  skf_node node = b->y->nodes[id];
+  uint32_t child = node.first;
+  if (++b->copied > COPIED)
+    return skf_error_set(b->error, SKF_ERR_PARSE, line_of(b), "aliases stand for too much, expected at most %d values",
+                         COPIED);
+  node.first = node.next = 0, node.count = 0;
+  if (node.type == SKF_NODE_SCALAR) return add(b, node);
+  skf_status s = open_container(b, node);
+  for (; child && !s; child = b->y->nodes[child].next) s = copy(b, child);
+  return s ? s : close_container(b);
+}
+
+static skf_status put_alias(builder *b) {
+  const char *name = (const char *)b->event.data.alias.anchor;
+  for (int i = b->anchor_count; i-- > 0;) {
+    if (strcmp(b->y->pool + b->anchors[i].name, name) != 0) continue;
+    for (int k = 0; k < b->depth; k++)
+      if (b->open[k] == b->anchors[i].node)
+        return skf_error_set(b->error, SKF_ERR_PARSE, line_of(b), "*%s is inside of &%s, expected it after that",
+                             skf_show(name).text, skf_show(name).text);
+    return copy(b, b->anchors[i].node);
+  }
+  return skf_error_set(b->error, SKF_ERR_PARSE, line_of(b), "*%s, expected an anchor &%s before it",
+                       skf_show(name).text, skf_show(name).text);
+}
+
+/* Notes the anchor, if there is one, of the node that comes next. */
+static skf_status put_anchor(builder *b, const yaml_char_t *name) {
+  if (!name) return SKF_OK;
+  if (b->anchor_count == ANCHORS)
+    return skf_error_set(b->error, SKF_ERR_PARSE, line_of(b), "another anchor, expected at most %d", ANCHORS);
+  struct anchor *a = b->anchors + b->anchor_count++;
+  a->node = (uint32_t)b->y->node_count;
+  return add_text(b, name, strlen((const char *)name), &a->name);
 }
 
 static skf_status refuse(const builder *b, const char *what) {
@@ -144,20 +259,23 @@ static skf_status refuse(const builder *b, const char *what) {
 
 static skf_status take(builder *b, int *documents) {
   const yaml_event_t *e = &b->event;
+  const skf_node list = {.type = SKF_NODE_LIST, .line = (int)line_of(b)},
+                 map = {.type = SKF_NODE_MAP, .line = (int)line_of(b)};
+  skf_status s;
   switch (e->type) {
   case YAML_DOCUMENT_START_EVENT: return ++*documents > 1 ? refuse(b, "a second document") : SKF_OK;
-  case YAML_ALIAS_EVENT: return refuse(b, "an alias (*)");
+  case YAML_ALIAS_EVENT: return put_alias(b);
   case YAML_SCALAR_EVENT:
-    if (e->data.scalar.anchor) return refuse(b, "an anchor (&)");
-    return e->data.scalar.tag ? refuse(b, "a tag (!)") : add_scalar(b);
+    if (e->data.scalar.tag) return refuse(b, "a tag (!)");
+    return (s = put_anchor(b, e->data.scalar.anchor)) ? s : add_scalar(b);
   case YAML_SEQUENCE_START_EVENT:
-    if (e->data.sequence_start.anchor) return refuse(b, "an anchor (&)");
-    return e->data.sequence_start.tag ? refuse(b, "a tag (!)") : open_container(b, SKF_NODE_LIST);
+    if (e->data.sequence_start.tag) return refuse(b, "a tag (!)");
+    return (s = put_anchor(b, e->data.sequence_start.anchor)) ? s : open_container(b, list);
   case YAML_MAPPING_START_EVENT:
-    if (e->data.mapping_start.anchor) return refuse(b, "an anchor (&)");
-    return e->data.mapping_start.tag ? refuse(b, "a tag (!)") : open_container(b, SKF_NODE_MAP);
+    if (e->data.mapping_start.tag) return refuse(b, "a tag (!)");
+    return (s = put_anchor(b, e->data.mapping_start.anchor)) ? s : open_container(b, map);
   case YAML_SEQUENCE_END_EVENT:
-  case YAML_MAPPING_END_EVENT: close_container(b); return SKF_OK;
+  case YAML_MAPPING_END_EVENT: return close_container(b);
   default: return SKF_OK;
   }
 }

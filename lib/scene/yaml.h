@@ -24,8 +24,9 @@ typedef struct skf_yaml {
   size_t node_count, node_capacity, pool_size, pool_capacity;
 } skf_yaml;
 
-/* Reads one document. Anchors, aliases, tags, further documents and deep nesting are refused: a scene needs none of
-   them, and they make small files expensive. On failure *out is empty. */
+/* Reads one document. An alias becomes a copy of what its anchor names, with the lines of that; merge keys are merged.
+   What aliases stand for is bounded, so that small files stay cheap; tags, further documents and deep nesting are
+   refused. On failure *out is empty. */
 skf_status skf_yaml_read(const char *text, size_t length, skf_yaml *out, skf_error *error);
 void skf_yaml_free(skf_yaml *yaml);
 

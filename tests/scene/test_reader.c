@@ -120,6 +120,44 @@ static void mass_on_a_plane_does_not_attract(void **state) {
 }
 
 /* A long skeleton in one body, and many names. */
+/* What is written once and used again. */
+static void aliases(void **state) {
+  (void)state;
+  skf_scene *s = good("skelfield: 1\n"
+                      "bodies:\n"
+                      "  - &first\n"
+                      "    name: a\n"
+                      "    iso: &i 0.5\n"
+                      "    kernel: &k {type: cauchy, s: *i}\n"
+                      "    skeleton: &bones\n"
+                      "      - point: {at: &o [1, 2, 3]}\n"
+                      "      - segment: {from: *o, to: [4, 5, 6], kernel: {<<: *k, s: 7}}\n"
+                      "  - {name: b, <<: *first, iso: 0.25}\n"
+                      "  - name: c\n"
+                      "    <<: [{iso: 8, density: 2}, *first]\n"
+                      "  - {name: &i d, iso: 1, kernel: *k, skeleton: *bones}\n"
+                      "particles:\n"
+                      "  - {name: *i, position: *o, velocity: *o}\n");
+  const double iso[] = {0.5, 0.25, 8, 1};
+  assert_int_equal(s->body_count, 4);
+  for (size_t i = 0; i < 4; i++) {
+    const skf_body *b = s->bodies + i;
+    assert_true(b->name[0] == 'a' + (char)i && b->name[1] == 0);
+    assert_true(b->iso == iso[i]);
+    assert_true(b->density == (i == 2 ? 2 : 1));
+    assert_int_equal(b->element_count, 2);
+    assert_int_equal(b->element_lines[1], 9);
+    check_vector(b->elements[0].primitive.point.at, 1, 2, 3);
+    check_vector(b->elements[1].primitive.segment.from, 1, 2, 3);
+    assert_true(b->elements[0].kernel.type == SKF_CAUCHY && b->elements[0].kernel.param == 0.5);
+    assert_true(b->elements[1].kernel.type == SKF_CAUCHY && b->elements[1].kernel.param == 7);
+  }
+  assert_int_equal(s->particle_count, 1);
+  assert_string_equal(s->particles[0].name, "d"); /* an anchor may be set again */
+  check_vector(s->particles[0].position, 1, 2, 3);
+  skf_scene_free(s);
+}
+
 static void large_scenes(void **state) {
   (void)state;
   enum { N = 20000 };
@@ -163,7 +201,7 @@ int main(void) {
       cmocka_unit_test(every_key_is_read), cmocka_unit_test(the_rest_is_read),
       cmocka_unit_test(defaults),          cmocka_unit_test(forms),
       cmocka_unit_test(large_scenes),      cmocka_unit_test(mass_on_a_plane_does_not_attract),
-      cmocka_unit_test(tables_are_whole),
+      cmocka_unit_test(tables_are_whole),  cmocka_unit_test(aliases),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
