@@ -59,11 +59,11 @@ static ticks degree_ticks(double lo, double hi, double length, const chart *c) {
 
 static ticks x_ticks(const chart *c) {
   if (c->degrees) return degree_ticks(c->x0, c->x1, c->right - c->left, c);
-  return ticks_linear(c->x0, c->x1, tick_count(c, c->right - c->left, 5));
+  return ticks_axis(c->x0, c->x1, tick_count(c, c->right - c->left, 5));
 }
 static ticks y_ticks(const chart *c) {
   if (c->degrees) return degree_ticks(c->y0, c->y1, c->bottom - c->top, c);
-  return ticks_linear(c->y0, c->y1, tick_count(c, c->bottom - c->top, 3.2));
+  return ticks_axis(c->y0, c->y1, tick_count(c, c->bottom - c->top, 3.2));
 }
 
 static double widest(const chart *c, const ticks *t) {
@@ -110,12 +110,13 @@ void chart_layout(chart *c, bool fill) {
 }
 
 static void axis_name(const ticks *t, const char *name, char *out, size_t size) {
-  char power[TICK_TEXT];
+  char power[TICK_TEXT], base[TICK_TEXT + 8] = "";
   tick_power(t->exponent, power);
+  if (t->base != 0) snprintf(base, sizeof base, " %s %.15g", t->base < 0 ? "+" : "−", fabs(t->base));
   if (t->exponent)
-    snprintf(out, size, "%s  [%s]", name, power);
+    snprintf(out, size, "%s%s  [%s]", name, base, power);
   else
-    snprintf(out, size, "%s", name);
+    snprintf(out, size, "%s%s", name, base);
 }
 
 static void x_axis(chart *c, const char *name) {

@@ -50,6 +50,19 @@ ticks ticks_linear(double lo, double hi, int about) {
   return t;
 }
 
+ticks ticks_axis(double lo, double hi, int about) {
+  ticks t = ticks_linear(lo, hi, about);
+  double largest = fmax(fabs(lo), fabs(hi));
+  if (!(t.step < 1e-5 * largest)) return t;
+  int power = (int)ceil(log10(hi - lo)), step = (int)floor(log10(t.step) + 1e-9);
+  double base = decimal(round((lo + (hi - lo) / 2) / decimal(1, power)), power);
+  int top = (int)floor(log10(fmax(fabs(lo - base), fabs(hi - base))));
+  t.base = base;
+  t.exponent = top >= 5 || top < -3 ? top : 0;
+  t.decimals = step < t.exponent ? t.exponent - step : 0;
+  return t;
+}
+
 ticks ticks_degrees(double lo, double hi, int about) {
   static const int steps[] = {1, 2, 5, 10, 15, 30, 45, 90}, minor[] = {1, 1, 1, 5, 5, 10, 15, 30};
   enum { STEPS = sizeof steps / sizeof *steps };
@@ -117,8 +130,8 @@ void tick_number(double value, int digits, char text[TICK_TEXT]) {
 
 void tick_label(const ticks *t, double value, char text[TICK_TEXT]) {
   if (t->step > 0) {
-    double shown = value / decimal(1, t->exponent);
-    if (fabs(value) < 1e-6 * t->step) shown = 0;
+    double from = value - t->base, shown = from / decimal(1, t->exponent);
+    if (fabs(from) < 1e-6 * t->step) shown = 0;
     snprintf(text, TICK_TEXT, "%s%.*f", shown < 0 ? "−" : "", t->decimals, fabs(shown));
   } else {
     tick_number(value, 3, text);

@@ -14,10 +14,13 @@ typedef struct ticks {
   double at[TICKS_MAX], minor[8 * TICKS_MAX];
   double step;            /* 0 when logarithmic */
   int decimals, exponent; /* of the labels; unused when logarithmic */
+  double base;            /* the labels count from here */
 } ticks;
 
 /* At least two ticks, about `about`, with a step of 1, 2 or 5 times a power of ten. lo < hi, both finite. */
 ticks ticks_linear(double lo, double hi, int about);
+/* The same for an axis: a short range far from 0 is counted from a round number. */
+ticks ticks_axis(double lo, double hi, int about);
 /* Angles: steps that divide 90, or 1, 2, 5 times a power of ten below 1 degree. */
 ticks ticks_degrees(double lo, double hi, int about);
 /* Powers of ten, or 1, 2, 5 times powers of ten where the range is short. 0 < lo < hi. */

@@ -45,6 +45,26 @@ static void steps_are_round(void **state) {
         }
 }
 
+/* Far from 0 the labels count from a round number, and stay short. */
+static void short_ranges_far_away(void **state) {
+  (void)state;
+  for (int sign = -1; sign <= 1; sign += 2)
+    for (int e = 6; e <= 14; e++) {
+      double far = sign * 3 * pow(10, e);
+      ticks t = ticks_axis(far - 2.3, far + 2.3, 8);
+      check_ticks(&t, far - 2.3, far + 2.3);
+      assert_true(t.base == far && t.exponent == 0);
+      for (int i = 0; i < t.count; i++) {
+        char text[TICK_TEXT];
+        tick_label(&t, t.at[i], text);
+        bool minus = !strncmp(text, "\xe2\x88\x92", 3);
+        assert_true(strlen(text) <= 6 && (minus ? -1 : 1) * atof(text + (minus ? 3 : 0)) == t.at[i] - far);
+      }
+    }
+  ticks t = ticks_axis(-1, 3, 8), same = ticks_linear(-1, 3, 8);
+  assert_true(t.base == 0 && t.step == same.step && t.decimals == same.decimals);
+}
+
 static void angles_have_their_own_steps(void **state) {
   (void)state;
   const struct {
@@ -169,6 +189,7 @@ int main(void) {
       cmocka_unit_test(steps_are_round),          cmocka_unit_test(angles_have_their_own_steps),
       cmocka_unit_test(logarithmic_ticks),        cmocka_unit_test(numbers_in_words),
       cmocka_unit_test(lines_lie_on_their_level), cmocka_unit_test(holes_and_infinities),
+      cmocka_unit_test(short_ranges_far_away),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
