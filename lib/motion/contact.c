@@ -104,7 +104,8 @@ skf_touch skf_contact_find(const skf_world *world, const skf_hunt *how, skf_sear
   double reach = skf_path_reach(how->path);
   for (size_t i = 0; i < world->n; i++) {
     if (!world->bodies[i].surface) continue;
-    int born = how->born == i ? how->side : 0;
+    if (how->along && skf_rail_has(how->along, i)) continue;
+    int born = how->born == i ? how->side : how->entered && how->entered[i] ? 1 : 0;
     hunt v = {skf_view_of(world, i, how->path), how->from, born, born != 0, how->from, how->fast, report};
     report->bounds++;
     bool blind = how->fast && !world->bodies[i].bounds;

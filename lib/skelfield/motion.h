@@ -108,7 +108,7 @@ typedef struct skf_world skf_world;
 SKF_API skf_status skf_world_new(const skf_attractor *bodies, size_t n, skf_world **out);
 /* The same with other forces, which are copied; SKF_ERR_ARG also for a body, a type or a callback that is not there.
    Where there are any, no constant of the motion is known. Forces that depend on the velocity need an integrator that
-   takes them, see skf_flight_new; resting and sliding contact does not feel those. */
+   takes them, see skf_flight_new; what rests does not feel those. */
 SKF_API skf_status skf_world_new_with(const skf_attractor *bodies, size_t n, const skf_force *forces,
                                       size_t force_count, skf_world **out);
 SKF_API void skf_world_free(skf_world *world);
@@ -174,7 +174,7 @@ typedef enum skf_outcome {
   SKF_OUTCOME_STOP,   /* stays in space from now on */
   SKF_OUTCOME_STICK,  /* stays on the body from now on */
   SKF_OUTCOME_BOUNCE, /* rebounds */
-  SKF_OUTCOME_SLIDE,  /* rebounds too low to tell; slides along the surface from now on, until it takes off */
+  SKF_OUTCOME_SLIDE,  /* rebounds too low to tell; slides along the surface from now on: see skf_flight_step */
   SKF_OUTCOME_REST,   /* comes to rest on the body and stays there */
   SKF_OUTCOME_ABSORB, /* is gone from now on */
   SKF_OUTCOME_PASS,   /* enters the body as if it were not there */
@@ -229,7 +229,12 @@ SKF_API void skf_flight_free(skf_flight *flight);
 
 /* Takes one step of the integrator's own choosing, which ends early at a contact; *contact, if given, is then filled
    and *touched set. SKF_ERR_CONVERGENCE when the force is not finite or the step shrinks to nothing: the flight then
-   stays where it was. */
+   stays where it was. A flight that slides goes on by Gauss-Radau steps to the same tolerance, whatever the integrator:
+   on the surface, or the groove of two, under all forces, the reaction, and friction times that against the slip; its
+   states are on the ground to rounding and have no speed off it. It takes off where the reaction would pull, which is
+   looked for in 16 places of a step. A rebound is too low to tell below 16 times the rounding of F - iso as a height,
+   about 1e-13 of the distance from the skeleton. Particles that attract each other (skf_run: gm) slide by hops of 1e-6
+   of the body's size instead. */
 SKF_API skf_status skf_flight_step(skf_flight *flight, skf_contact *contact, bool *touched);
 /* Times between which the last step is known: skf_flight_at works there. */
 SKF_API void skf_flight_span(const skf_flight *flight, double *from, double *to);

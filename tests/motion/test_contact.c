@@ -380,6 +380,35 @@ static void passing_tells_every_entry(void **state) {
   }
 }
 
+/* Through surfaces that coincide: an entry into each, at the same place, and no other. */
+static void passing_coincident_surfaces_ends(void **state) {
+  (void)state;
+  enum { N = 3 };
+  for (int turns = 0; turns < 2; turns++) {
+    skf_element e = point_at(0, 0, 0, newton);
+    skf_field *fields[N];
+    skf_attractor bodies[N];
+    const skf_spin spin = {{0, 0, 1}, {0, 0, 0}, 0.3 * turns};
+    for (int i = 0; i < N; i++) bodies[i] = (skf_attractor){fields[i] = field_of(&e, 1), 1, 0, i == 1 ? spin : still};
+    skf_world *w = world_of(bodies, N);
+    for (int k = 0; k < 40; k++) { /* ever closer to grazing */
+      double b = 0.1 + 0.0224 * k;
+      for (int search = SKF_SEARCH_CERTIFIED; search <= SKF_SEARCH_FAST; search++) {
+        skf_flight *f = fly(w, (skf_flight_options){.contact = SKF_CONTACT_PASS, .search = (skf_search)search},
+                            (skf_state){0, {-3, b, 0}, {1, 0, 0}});
+        size_t n = 0;
+        skf_contact c = {0};
+        check_close(state_at(f, 6, &n, &c).position.x, 3, 1e-15);
+        assert_int_equal(n, N);
+        check_close(c.t, 3 - sqrt(1 - b * b), 1e-14);
+        skf_flight_free(f);
+      }
+    }
+    skf_world_free(w);
+    for (int i = 0; i < N; i++) skf_field_free(fields[i]);
+  }
+}
+
 /* A wide orbit that dips into a body again and again enters it once a revolution. */
 static void passing_comes_back(void **state) {
   (void)state;
@@ -428,6 +457,7 @@ int main(void) {
       cmocka_unit_test(spinning_ground_counts),
       cmocka_unit_test(moving_bodies_are_met),
       cmocka_unit_test(passing_tells_every_entry),
+      cmocka_unit_test(passing_coincident_surfaces_ends),
       cmocka_unit_test(passing_comes_back),
       cmocka_unit_test(the_absorbed_are_gone),
       cmocka_unit_test(bounces_above_the_origin_end),

@@ -271,14 +271,14 @@ static void bounces_lose_what_they_should(void **state) {
       if (!touched) continue;
       if (c.outcome != SKF_OUTCOME_BOUNCE) break;
       n++;
-      check_close(c.t, when, 1e-12);
-      check_close(c.after.z * c.after.z / (2 * g), top * e * e, 1e-9);
+      check_close(c.t, when, top > 1e-6 * L ? 1e-12 : 1e-10); /* the ground is rough, too */
+      check_scaled(c.after.z * c.after.z / (2 * g), top * e * e, top + 1e-6 * L, 1e-9);
       top *= e * e;
       when += 2 * T * pow(e, n);
     }
     assert_int_equal(c.outcome, SKF_OUTCOME_REST);
-    assert_in_range(n, 15, 25); /* e^2n H > 1e-6 L */
-    check_scaled(c.t, T * (1 + e) / (1 - e), T, 1e-2);
+    assert_in_range(n, 35, 50); /* e^2n H > 1e-13 L, some hundred roundings of the ground */
+    check_scaled(c.t, T * (1 + e) / (1 - e), T, 1e-5);
     skf_flight_free(f);
     drop_world(w, field);
   }
@@ -297,9 +297,9 @@ static void slides_end_where_they_should(void **state) {
     size_t n = 0;
     skf_state s = state_at(f, 10, &n, &c);
     assert_int_equal(c.outcome, SKF_OUTCOME_REST);
-    check_close(s.position.x, v * v / (2 * mu * g), 1e-4);
-    check_close(c.t, v / (mu * g), 1e-2);
-    check_close(s.position.z, 1, 1e-5);
+    check_close(s.position.x, v * v / (2 * mu * g), 1e-13);
+    check_close(c.t, v / (mu * g), 1e-13);
+    check_close(s.position.z, 1, 0);
     assert_in_range(n, 1, 4);
     skf_flight_free(f);
     drop_world(w, field);
