@@ -104,7 +104,7 @@ static void topology(const skf_mesh *m, skf_mesh_measure *r, unsigned *parts, co
   r->oriented = !r->misoriented_edges;
 }
 
-skf_status skf_mesh_measure_of(const skf_mesh *m, skf_mesh_measure *r) {
+static skf_status measure_of(const skf_mesh *m, skf_mesh_measure *r) {
   *r = (skf_mesh_measure){.box = box_empty(), .edge_min = INFINITY};
   size_t nv = m->vertex_count, ns = 3 * m->triangle_count;
   if (ns >= 0xffffffffu) return SKF_ERR_CAPACITY;
@@ -126,13 +126,19 @@ skf_status skf_mesh_measure_of(const skf_mesh *m, skf_mesh_measure *r) {
     for (size_t t = 0; t < m->triangle_count; t++) {
       const unsigned *v = m->triangles[t];
       skf_vec3 p[3];
-      for (int k = 0; k < 3; k++) p[k] = v3_sub(m->vertices[v[k]], center);
-      volumes[skf_root_of(parts, v[0])] += v3_dot(p[0], v3_cross(p[1], p[2]));
+      size_t root = skf_root_of(parts, v[0]);
+      for (int k = 0; k < 3; k++) p[k] = v3_sub(m->vertices[v[k]], m->vertices[root]);
+      volumes[root] += v3_dot(p[0], v3_cross(p[1], p[2]));
     }
     for (size_t v = 0; v < nv; v++) parts[v] = (unsigned)skf_root_of(parts, v);
     for (size_t i = 0; i < ns; i++) fans[i] = (unsigned)skf_root_of(fans, i);
     shapes(m, r, center);
     topology(m, r, parts, fans, seen);
+    if (r->components > 1 && sqrt(r->area) < 1e-2 * box_diagonal(r->box)) { /* far parts: nothing is left of the sum */
+      skf_sum sum = {0, 0};
+      for (size_t v = 0; v < nv; v++) sum_add(&sum, volumes[v] / 6);
+      r->volume = sum_total(sum);
+    }
     if (!r->edges)
       r->edge_min = 0;
     else
@@ -140,5 +146,27 @@ skf_status skf_mesh_measure_of(const skf_mesh *m, skf_mesh_measure *r) {
     r->outward = r->closed && r->oriented && r->volume > 0 && faces_out(m, parts, volumes);
   }
   skf_free(sides), skf_free(parts), skf_free(fans), skf_free(seen), skf_free(volumes);
+  return s;
+}
+
+static skf_vec3 times(skf_vec3 a, int power) { return v3(ldexp(a.x, power), ldexp(a.y, power), ldexp(a.z, power)); }
+
+/* Sizes whose fourth powers would leave the range of doubles are measured in units of a power of two. */
+skf_status skf_mesh_measure_of(const skf_mesh *m, skf_mesh_measure *r) {
+  double size = 0;
+  int power;
+  for (size_t i = 0; i < m->vertex_count; i++) size = fmax(size, size_of(m->vertices[i]));
+  if (!(size > 0 && size < INFINITY) || (size > 1e-60 && size < 1e60)) return measure_of(m, r);
+  frexp(size, &power);
+  skf_mesh unit = *m; /* borrowed, but for the vertices */
+  unit.vertices = skf_alloc(m->vertex_count, sizeof *unit.vertices);
+  if (!unit.vertices) return *r = (skf_mesh_measure){0}, SKF_ERR_NOMEM;
+  for (size_t i = 0; i < m->vertex_count; i++) unit.vertices[i] = times(m->vertices[i], -power);
+  skf_status s = measure_of(&unit, r);
+  skf_free(unit.vertices);
+  r->area = ldexp(r->area, 2 * power), r->volume = ldexp(r->volume, 3 * power);
+  r->box.lo = times(r->box.lo, power), r->box.hi = times(r->box.hi, power);
+  r->edge_min = ldexp(r->edge_min, power), r->edge_mean = ldexp(r->edge_mean, power);
+  r->edge_max = ldexp(r->edge_max, power);
   return s;
 }
