@@ -24,9 +24,19 @@ SKF_API void skf_mesh_free(skf_mesh *mesh);
 /* Appends `part`, as body number `body`; on failure `mesh` is as before. */
 SKF_API skf_status skf_mesh_append(skf_mesh *mesh, const skf_mesh *part, unsigned body);
 
+/* A box that holds the whole surface F = iso. For iso < 0 it is the body that reaches to infinity, where F is 0, and
+   the surface is around what is outside of it: *around (which may be NULL) tells so. SKF_ERR_UNBOUNDED: there is no box
+   (a plane; iso = 0); SKF_ERR_EMPTY: there is no surface; SKF_ERR_UNSUPPORTED: an element has no bounds. */
+SKF_API skf_status skf_surface_region(const skf_field *field, double iso, skf_box *out, bool *around);
+
+/* Disjoint boxes that together hold the whole surface: one, or one for each of up to a thousand parts that are farther
+   apart than the smaller of two is large. On failure, as of skf_surface_region, there are none. */
+SKF_API skf_status skf_surface_parts(const skf_field *field, double iso, skf_box **boxes, size_t *count);
+SKF_API void skf_surface_parts_free(skf_box *boxes);
+
 /* How to mesh; all zero is the default. */
 typedef struct skf_mesh_options {
-  double edge;          /* target edge length [L]; 0: chosen from the size and the curvature of the surface */
+  double edge;          /* target edge length [L]; 0: chosen from the size and the curvature of each part */
   size_t max_triangles; /* more are refused with SKF_ERR_CAPACITY; 0: 20 million */
   int rounds;           /* of flips and smoothing; 0: three; negative: none */
   skf_progress progress;
@@ -34,20 +44,25 @@ typedef struct skf_mesh_options {
 
 /* What the mesher did. Lengths in [L]. */
 typedef struct skf_mesh_report {
-  double edge;     /* target length in force */
+  double edge;     /* target length in force; the shortest where parts have their own */
   double residual; /* worst |F - iso| / |grad F| of a vertex */
   size_t cells;    /* lattice cells that may hold the surface */
   size_t samples;  /* lattice nodes at which the field was evaluated */
   size_t missed;   /* sampled places of the skeleton that are inside the surface, but that no lattice node near by
                       knows of: thinner parts than the lattice resolves */
+  size_t parts;    /* meshed by themselves, see skf_surface_parts */
+  bool around;     /* see skf_surface_region */
   size_t clamped;  /* vertices that could not be put onto the surface, since it touches a lattice node there */
 } skf_mesh_report;
 
 /* Closed oriented 2-manifold triangle mesh of F = iso without self-intersections, every vertex on the surface to
    rounding, normals -grad F / |grad F|. The body-centred cubic lattice under it finds every component that is larger
-   than the edge length. The result does not depend on the number of threads. On failure *out is empty; the report may
-   be NULL. SKF_ERR_UNBOUNDED: the surface extends to infinity; SKF_ERR_EMPTY: F < iso wherever it was sampled;
-   SKF_ERR_CAPACITY: more triangles than allowed; SKF_ERR_RANGE: the edge is not positive and finite. */
+   than the edge length; parts that are far apart have one each where the edge is chosen, or where one does not reach.
+   For iso < 0, where the body is around the surface, triangles and normals point into what they enclose, which is
+   outside: the mesh's volume is negative. The result does not depend on the number of threads. On failure *out is
+   empty; the report may be NULL. SKF_ERR_UNBOUNDED: the surface extends to infinity, or may; SKF_ERR_EMPTY: F < iso
+   (for iso < 0: F > iso) wherever it was sampled; SKF_ERR_CAPACITY: more triangles than allowed; SKF_ERR_RANGE: the
+   edge is not positive and finite. */
 SKF_API skf_status skf_mesh_field(const skf_field *field, double iso, const skf_mesh_options *options, skf_mesh *out,
                                   skf_mesh_report *report);
 

@@ -9,25 +9,31 @@ void skf_mesher_free(skf_mesher *m) {
   skf_nodes_free(&m->nodes);
 }
 
-/* Whether a place inside the surface is near a lattice node that is inside, too. */
+/* Whether a place that the surface encloses is near a lattice node that it encloses, too. */
 static bool is_seen(const skf_mesher *m, skf_vec3 p) {
   const skf_lattice *l = &m->lattice;
+  int inside = m->around ? -1 : 1;
   int c[3], d[14][3];
   for (int i = 0; i < 3; i++) c[i] = 2 * (int)floor((v3_get(p, i) - v3_get(l->origin, i)) / (2 * l->half)) + 1;
   unsigned center = skf_nodes_find(&m->nodes, skf_key_of(c));
-  if (center >= m->cube_count) return true; /* proved to be inside as a whole */
-  if (m->nodes.sign[center] > 0) return true;
+  if (center >= m->cube_count) return true; /* proved to be so as a whole */
+  if (m->nodes.sign[center] == inside) return true;
   for (int k = 0; k < 14; k++) {
     for (int i = 0; i < 3; i++) d[k][i] = c[i] + skf_star[k][i];
     unsigned w = skf_nodes_find(&m->nodes, skf_key_of(d[k]));
-    if (w == SKF_NONE || m->nodes.sign[w] > 0) return true;
+    if (w == SKF_NONE || m->nodes.sign[w] == inside) return true;
   }
   return false;
 }
 
+static bool holds(const skf_box *b, skf_vec3 p) {
+  return p.x >= b->lo.x && p.x <= b->hi.x && p.y >= b->lo.y && p.y <= b->hi.y && p.z >= b->lo.z && p.z <= b->hi.z;
+}
+
 enum { SEEDS = 4096 }; /* per primitive: along a segment of this many cells every cell is tried */
 
-/* Counts the places of the skeleton that are inside the surface without a lattice node near by that is. */
+/* Counts the places of the skeleton in the region that the surface encloses without a lattice node near by that it
+   does. */
 static skf_status count_missed(const skf_mesher *m, size_t *missed) {
   skf_vec3 *p = skf_alloc(SEEDS, sizeof *p);
   double *F = skf_alloc(SEEDS, sizeof *F);
@@ -41,7 +47,8 @@ static skf_status count_missed(const skf_mesher *m, size_t *missed) {
     for (int a = 0; a < ns; a++)
       for (int b = 0; b < nt; b++) p[a * nt + b] = skf_primitive_point(e, (a + 0.5) / ns, (b + 0.5) / nt);
     s = skf_sample(m->field, (size_t)ns * nt, p, F, NULL);
-    for (int a = 0; a < ns * nt && !s; a++) *missed += F[a] > m->iso && !is_seen(m, p[a]);
+    for (int a = 0; a < ns * nt && !s; a++)
+      *missed += (m->around ? F[a] < m->iso : F[a] > m->iso) && holds(&m->region, p[a]) && !is_seen(m, p[a]);
   }
   skf_free(p), skf_free(F);
   return s;
@@ -101,10 +108,11 @@ static skf_status curvature(const skf_mesh *m, double *out) {
   return SKF_OK;
 }
 
-/* The default edge: a hundredth of the surface's diagonal, or less where it is curved more, so that an edge turns by at
-   most 0.35 rad; not below a six hundredth. Found by meshing coarsely. */
-static skf_status choose_edge(skf_mesher *m, double *edge) {
-  double d = box_diagonal(m->region), e = d / 48;
+/* The default edge: a hundredth of the part's diagonal times `share`, the root of the number of parts, so that many
+   take together what one does; less where it is curved more, so that an edge turns by at most 0.35 rad; not below a six
+   hundredth. Found by meshing coarsely. */
+static skf_status choose_edge(skf_mesher *m, double share, double *edge) {
+  double d = box_diagonal(m->region), e = d / 48 * fmin(share, 2);
   for (int k = 0; k < 7; k++) {
     skf_mesh coarse;
     skf_mesh_report r;
@@ -122,7 +130,7 @@ static skf_status choose_edge(skf_mesher *m, double *edge) {
     skf_mesh_free(&coarse);
     if (s) return s;
     if (any && !r.missed) {
-      double best = fmax(fmin(size / 100, 0.35 / turn), size / 600);
+      double best = fmax(fmin(share * size / 100, 0.35 / turn), size / 600);
       *edge = best;
       if (best > 0.3 * e) return SKF_OK;
       e = fmax(best, 0.3 * e);
@@ -188,28 +196,73 @@ static skf_status improve(const skf_mesher *m, double edge, int rounds, skf_mesh
   return s;
 }
 
+/* One part: the surface in m->region. `share`: see choose_edge. */
+static skf_status one_part(skf_mesher *m, const skf_mesh_options *o, double share, skf_mesh *out, skf_mesh_report *r) {
+  skf_status s = SKF_OK;
+  double edge = o->edge;
+  *out = (skf_mesh){0}, *r = (skf_mesh_report){0};
+  if (edge == 0) s = choose_edge(m, share, &edge);
+  for (int k = 0; !s; k++) {
+    s = at_edge(m, edge, out, r);
+    /* The edge is ours to choose: halve it until nothing is missed. */
+    if (s || o->edge != 0 || (out->triangle_count && !r->missed) || k == 3) break;
+    skf_mesh_free(out);
+    edge *= 0.5;
+  }
+  if (!s && out->triangle_count > m->limit) s = SKF_ERR_CAPACITY;
+  if (!s && out->triangle_count && o->rounds >= 0) s = improve(m, edge, o->rounds ? o->rounds : 3, out);
+  if (s) skf_mesh_free(out);
+  return s;
+}
+
+static skf_status all_parts(skf_mesher *m, const skf_mesh_options *o, const skf_box *boxes, size_t count, skf_mesh *out,
+                            skf_mesh_report *r) {
+  skf_status s = SKF_OK;
+  r->edge = INFINITY, r->parts = count, r->around = m->around;
+  size_t limit = m->limit;
+  for (size_t i = 0; i < count && !s; i++) {
+    skf_mesh part;
+    skf_mesh_report q;
+    m->region = boxes[i], m->limit = limit - out->triangle_count;
+    s = one_part(m, o, fmin(sqrt((double)count), 8), &part, &q);
+    r->edge = fmin(r->edge, q.edge), r->cells += q.cells, r->samples += q.samples;
+    r->missed += q.missed, r->clamped += q.clamped;
+    if (s) break;
+    if (count == 1) return *out = part, SKF_OK;
+    s = skf_mesh_append(out, &part, 0);
+    skf_mesh_free(&part);
+  }
+  if (!(r->edge < INFINITY)) r->edge = 0;
+  skf_free(out->bodies); /* there is but one */
+  out->bodies = NULL;
+  return s;
+}
+
+/* The whole region where the edge is given and one lattice reaches; else its parts. */
+static skf_status list_parts(const skf_mesher *m, double edge, skf_box **boxes, size_t *count) {
+  skf_lattice all;
+  if (edge == 0 || skf_lattice_set(&all, m->region, edge)) return skf_mesher_parts(m, edge, boxes, count);
+  *count = 1, *boxes = skf_alloc(1, sizeof **boxes);
+  if (*boxes) **boxes = m->region;
+  return *boxes ? SKF_OK : SKF_ERR_NOMEM;
+}
+
 skf_status skf_mesh_field(const skf_field *field, double iso, const skf_mesh_options *options, skf_mesh *out,
                           skf_mesh_report *report) {
   static const skf_mesh_options defaults = {0};
   const skf_mesh_options *o = options ? options : &defaults;
   skf_mesh_report scratch, *r = report ? report : &scratch;
   skf_mesher m = {.field = field, .iso = iso, .progress = &o->progress};
+  skf_box *boxes = NULL;
+  size_t count = 0;
   *out = (skf_mesh){0}, *r = (skf_mesh_report){0};
   m.limit = o->max_triangles ? o->max_triangles : 20000000;
   if (o->edge != 0 && !(o->edge > 0 && isfinite(o->edge))) return SKF_ERR_RANGE;
-  skf_status s = skf_field_region(field, iso, &m.region);
-  double edge = o->edge;
-  if (!s && edge == 0) s = choose_edge(&m, &edge);
-  for (int k = 0; !s; k++) {
-    s = at_edge(&m, edge, out, r);
-    /* The edge is ours to choose: halve it until nothing is missed. */
-    if (s || o->edge != 0 || (out->triangle_count && !r->missed) || k == 3) break;
-    skf_mesh_free(out);
-    edge *= 0.5;
-  }
+  skf_status s = skf_surface_region(field, iso, &m.region, &m.around);
+  if (!s) s = list_parts(&m, o->edge, &boxes, &count);
+  if (!s) s = all_parts(&m, o, boxes, count, out, r);
+  skf_free(boxes);
   if (!s && out->triangle_count == 0) s = SKF_ERR_EMPTY;
-  if (!s && out->triangle_count > m.limit) s = SKF_ERR_CAPACITY;
-  if (!s && o->rounds >= 0) s = improve(&m, edge, o->rounds ? o->rounds : 3, out);
   if (!s) s = finish(field, iso, out, &r->residual);
   if (!s && skf_cancelled(&o->progress, 1)) s = SKF_ERR_CANCELLED;
   if (s) skf_mesh_free(out);

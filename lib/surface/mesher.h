@@ -54,6 +54,7 @@ typedef struct skf_mesher {
   size_t limit; /* of triangles */
   skf_lattice lattice;
   skf_box region;
+  bool around; /* the body is around the surface: F > iso far away */
   size_t cube_count;
   skf_key *cubes; /* cubes that may hold the surface, by the integer coordinates of their centres */
   skf_nodes nodes;
@@ -78,6 +79,11 @@ extern const signed char skf_star[14][3];
 extern const unsigned char skf_star_faces[24][3];
 /* The slot in cut_of of the edge between neighbours a and b. */
 size_t skf_edge_slot(const skf_nodes *n, unsigned a, unsigned b);
+
+/* parts.c: boxes that hold all of the surface in m->region, far enough apart to be meshed by themselves at edges of up
+   to a hundredth of their diagonals, or of `edge` if that is more; one where there is but one, or more than a thousand.
+   The caller frees them. */
+skf_status skf_mesher_parts(const skf_mesher *m, double edge, skf_box **boxes, size_t *count);
 
 /* cells.c: finds the cubes that may hold the surface. */
 skf_status skf_mesher_cells(skf_mesher *m);
