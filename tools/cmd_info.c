@@ -22,9 +22,10 @@ static void gather_element(const skf_element *e, info_body *out) {
 void info_gather(const skf_scene *scene, const skf_body *body, info_body *out) {
   *out = (info_body){.body = body, .skeleton = box_empty()};
   for (size_t i = 0; i < body->element_count; i++) gather_element(body->elements + i, out);
-  out->mass = body->has_mass ? body->mass : body->rho * out->total;
+  out->massless = !body->has_mass && !isfinite(out->total);
+  out->mass = out->massless ? NAN : body->has_mass ? body->mass : body->rho * out->total;
   out->gm = isinf(out->total) && body->rho == 0 ? 0 : scene->G * out->mass;
-  out->surface = skf_field_region(body->field, body->iso, &out->region);
+  out->surface = skf_surface_region(body->field, body->iso, &out->region, &out->around);
 }
 
 const char *info_surface(const info_body *b) {
@@ -63,7 +64,8 @@ static const cli_option options[] = {
 
 static const char notes[] =
     "For each body: its primitives and their measures (count, length, area), mass, density in force and G M,\n"
-    "the bounds of the skeleton and a box that holds the whole surface, and for each kernel on each kind of\n"
+    "the bounds of the skeleton and a box that holds the whole surface (and the inside, but where iso < 0 and the\n"
+    "field fades to 0: there the inside is around it), and for each kernel on each kind of\n"
     "primitive whether the field is a closed form or adaptive quadrature, to what relative error, and where it\n"
     "is singular. Where handles (radius, blobbiness, influence) gave parameter and strength: these, and the handles\n"
     "as they came out, the radius found anew on the field of the entry alone.\n"

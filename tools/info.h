@@ -17,9 +17,11 @@ typedef struct info_body {
   double measure[SKF_SHAPE_COUNT]; /* sum of mu */
   double total;                    /* sum of w mu, mu weighted by profiles */
   size_t profiled;                 /* primitives with a profile */
-  double mass, gm;                 /* rho times total, or as given; infinite with a plane that attracts */
+  bool massless;                   /* neither given nor to be had from a total that is not finite: a plane's */
+  double mass, gm;                 /* rho times total, or as given; NAN where massless */
   skf_box skeleton;
   skf_status surface; /* SKF_OK: region holds; SKF_ERR_UNBOUNDED, SKF_ERR_EMPTY or another failure */
+  bool around;        /* the surface encloses the outside, see skf_surface_region */
   skf_box region;
   info_kernel kernels[SKF_KERNEL_COUNT];
   bool pairs[SKF_KERNEL_COUNT][SKF_SHAPE_COUNT];

@@ -128,6 +128,7 @@ static void put_body(cli_json *j, const skf_scene *scene, const skf_body *body) 
   put_box(j, "skeleton_bounds", b.skeleton);
   json_string(j, "surface", info_surface(&b));
   if (b.surface == SKF_OK) put_box(j, "surface_bounds", b.region);
+  if (b.surface == SKF_OK && b.around) json_bool(j, "inside_unbounded", true);
   put_kernels(j, &b);
   if (body->handled_count) put_handles(j, body);
   if (body->spin.rate != 0) {

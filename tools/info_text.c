@@ -99,12 +99,16 @@ static void put_body(FILE *f, const skf_scene *scene, const skf_body *body) {
     fprintf(f, "  %-*s%zu %s: weighted sums, relative error 1e-12\n", LABEL, "profiles", b.profiled,
             b.profiled == 1 ? "primitive" : "primitives");
   put_handles(f, body);
-  fprintf(f, "  %-*s%.10g%s, density %.10g, G M = %.10g\n", LABEL, "mass", b.mass, body->has_mass ? " (given)" : "",
-          body->rho, b.gm);
+  if (b.massless)
+    fprintf(f, "  %-*sno finite one, density %.10g\n", LABEL, "mass", body->rho);
+  else
+    fprintf(f, "  %-*s%.10g%s, density %.10g, G M = %.10g\n", LABEL, "mass", b.mass, body->has_mass ? " (given)" : "",
+            body->rho, b.gm);
   fprintf(f, "  %-*sF = %.10g: %s", LABEL, "surface", body->iso, info_surface(&b));
   if (b.surface == SKF_OK) {
     fputs(", inside ", f);
     put_box(f, b.region);
+    if (b.around) fputs(", the body is around it", f);
   }
   fputc('\n', f);
   if (body->spin.rate != 0) {

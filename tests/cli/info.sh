@@ -131,4 +131,24 @@ for name in "$data"/*.yaml; do
   expect_status "info ${name##*/}" 0
   expect_no_err "${name##*/} without a warning"
 done
+write none.yaml <<'END'
+skelfield: 1
+gravity: {G: 0}
+bodies:
+  - name: ground
+    iso: 1
+    kernel: {type: cauchy, s: 1}
+    skeleton: [plane: {through: [0, 0, 0], normal: [0, 0, 1]}]
+  - name: hole
+    iso: -1
+    kernel: {type: cauchy, s: 1}
+    skeleton: [point: {at: [0, 0, 0], strength: -2}]
+END
+run info none.yaml
+expect_status "a plane has no mass" 0
+expect_out "it says so" '^  mass +no finite one, density 1$'
+expect "and nothing that is no number" eval '! grep -qiE "nan" "$kept/out"'
+expect_out "a body around its surface is bounded" 'F = -1: bounded, inside \[-0.64.*\], the body is around it$'
+run info none.yaml --json
+expect_out "in JSON, too" '"inside_unbounded": true'
 tap_done
