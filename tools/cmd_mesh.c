@@ -29,13 +29,17 @@ static void say(const skf_body *body, const skf_mesh *mesh, const skf_mesh_repor
 static int add_body(const skf_scene *scene, size_t i, double edge, bool alone, skf_mesh *all) {
   skf_mesh mesh;
   skf_mesh_report report;
-  int status = mesh_body(scene->bodies + i, edge, &mesh, &report);
-  if (status != CLI_DONE) return status;
-  say(scene->bodies + i, &mesh, &report);
+  const skf_body *body = scene->bodies + i;
+  skf_status s = mesh_body(body, edge, &mesh, &report);
+  if (s == SKF_ERR_CANCELLED) return cli_fail(CLI_FAILED, "interrupted, nothing written");
+  char why[160];
+  if (s && mesh_why(body, s, edge, &report, why)) return cli_fail(CLI_FAILED, "body '%s': %s", body->name, why);
+  if (s) return cli_fail_status(s, body->name);
+  say(body, &mesh, &report);
   if (alone) return *all = mesh, CLI_DONE;
-  skf_status s = skf_mesh_append(all, &mesh, (unsigned)i);
+  s = skf_mesh_append(all, &mesh, (unsigned)i);
   skf_mesh_free(&mesh);
-  return s ? cli_fail_status(s, scene->bodies[i].name) : CLI_DONE;
+  return s ? cli_fail_status(s, body->name) : CLI_DONE;
 }
 
 static int write_mesh(const skf_mesh *mesh, const skf_mesh_format *format, const char *path) {
@@ -85,8 +89,11 @@ static const cli_option options[] = {
 static const char notes[] =
     "Each body is meshed in its own frame, which is the inertial frame at t = 0. The mesh is a closed\n"
     "2-manifold, oriented outwards and free of self-intersections; its vertices lie on F = iso to\n"
-    "rounding. Files with several bodies carry the body's index: PLY as the faces' property body, OBJ\n"
-    "as groups, STL as the attribute. The figures of the mesh go to stderr.\n"
+    "rounding. Parts that are far apart each have a default edge of their own. Outside is where F < iso:\n"
+    "where iso is negative and the field fades to 0, it is the outside that the surface encloses, normals\n"
+    "point into it, and the mesh's volume is negative. Files with several bodies carry the body's index:\n"
+    "PLY as the faces' property body, OBJ as groups, STL as the attribute. The figures of the mesh go to\n"
+    "stderr.\n"
     "example: skelfield mesh data/donut.yaml -o donut.ply --edge 5e5";
 
 static const char *const writes[] = {"output", NULL};

@@ -49,7 +49,7 @@ static int mesh_file(const char *path, report *r) {
   if (e && error.line > 0) return cli_fail(CLI_BAD, "%s:%ld: %s", path, error.line, error.text);
   if (e) return cli_fail(e == SKF_ERR_NOMEM ? CLI_FAILED : CLI_BAD, "%s: %s", path, error.text);
   section_start(s, "mesh %s", path);
-  e = validate_mesh(&mesh, s);
+  e = validate_mesh(&mesh, false, s);
   skf_mesh_free(&mesh);
   return e ? cli_fail_status(e, path) : CLI_DONE;
 }
@@ -68,15 +68,34 @@ static int solids(const skf_body *b, report *r) {
     section *s = add_section(r);
     if (!s) return cli_fail(CLI_FAILED, "out of memory");
     section_start(s, "solid of %s, line %ld", b->name, b->element_lines[i]);
-    skf_status e = validate_mesh(&m, s);
+    skf_status e = validate_mesh(&m, false, s);
     if (e) return cli_fail_status(e, b->name);
   }
   return CLI_DONE;
 }
 
-static int one_body(const skf_body *b, double edge, report *r) {
+/* A surface without a mesh fails its check; the report goes on. */
+static int surface(const skf_body *b, double edge, section *s) {
   skf_mesh mesh;
   skf_mesh_report made;
+  skf_status e = mesh_body(b, edge, &mesh, &made);
+  if (e == SKF_ERR_CANCELLED) return cli_fail(CLI_FAILED, "interrupted");
+  if (e) {
+    char why[160];
+    section_start(s, "surface of %s, F = %.9g", b->name, b->iso);
+    mesh_why(b, e, edge, &made, why);
+    section_check(s, "meshed", false, "%s", why);
+    return e == SKF_ERR_NOMEM ? cli_fail_status(e, b->name) : CLI_DONE;
+  }
+  section_start(s, "surface of %s, F = %.9g, edge %.4g", b->name, b->iso, made.edge);
+  e = validate_mesh(&mesh, made.around, s);
+  if (!e) e = validate_against_field(b, &mesh, &made, s);
+  if (e && e != SKF_ERR_NOMEM) section_check(s, "compared", false, "%s", skf_status_text(e));
+  skf_mesh_free(&mesh);
+  return e == SKF_ERR_NOMEM ? cli_fail_status(e, b->name) : CLI_DONE;
+}
+
+static int one_body(const skf_body *b, double edge, report *r) {
   section *s = add_section(r);
   if (!s) return cli_fail(CLI_FAILED, "out of memory");
   section_start(s, "skeleton of %s", b->name);
@@ -86,13 +105,7 @@ static int one_body(const skf_body *b, double edge, report *r) {
   if (status != CLI_DONE) return status;
   s = add_section(r);
   if (!s) return cli_fail(CLI_FAILED, "out of memory");
-  status = mesh_body(b, edge, &mesh, &made);
-  if (status != CLI_DONE) return status;
-  section_start(s, "surface of %s, F = %.9g, edge %.4g", b->name, b->iso, made.edge);
-  e = validate_mesh(&mesh, s);
-  if (!e) e = validate_against_field(b, &mesh, &made, s);
-  skf_mesh_free(&mesh);
-  return e ? cli_fail_status(e, b->name) : CLI_DONE;
+  return surface(b, edge, s);
 }
 
 static int scene_file(const cli *c, const char *path, report *r) {
@@ -150,7 +163,9 @@ static const char notes[] =
     "Of a scene, each body's skeleton is checked for degenerate, duplicate and overlapping primitives,\n"
     "the meshes of its solids as above,\n"
     "and its surface is meshed, checked likewise, and compared with its field: distance of the vertices,\n"
-    "rays through CGAL's AABB tree against the ray solver, volume against a quadrature of the inside.\n"
+    "and of the faces' insides, rays through CGAL's AABB tree against the ray solver, volume against a\n"
+    "quadrature. A surface that has no closed mesh fails its check. Of a body around its surface (see\n"
+    "mesh) what is checked is the outside, which the surface encloses.\n"
     "Exit status 1 when a check fails.\n"
     "example: skelfield validate data/donut.yaml";
 

@@ -1,30 +1,31 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "mesh_body.h"
 
-static int failed(const skf_body *b, skf_status s, double edge) {
+bool mesh_why(const skf_body *b, skf_status s, double given, const skf_mesh_report *report, char why[160]) {
+  double edge = report->edge > 0 ? report->edge : given;
   switch (s) {
   case SKF_ERR_UNBOUNDED:
-    return cli_fail(CLI_FAILED, "body '%s': the surface F = %g reaches to infinity and has no closed mesh", b->name,
-                    b->iso);
+    snprintf(why, 160, "the surface F = %g reaches to infinity and has no closed mesh", b->iso);
+    break;
   case SKF_ERR_EMPTY:
-    if (edge > 0) /* else it is known without a sample */
-      return cli_fail(CLI_FAILED, "body '%s': an edge of %g finds no surface F = %g, a smaller --edge may", b->name,
-                      edge, b->iso);
-    return cli_fail(CLI_FAILED, "body '%s': there is no surface, F is below iso = %g everywhere", b->name, b->iso);
+    if (report->edge > 0) /* else it is known without a sample */
+      snprintf(why, 160, "an edge of %g finds no surface F = %g, a smaller --edge may", edge, b->iso);
+    else
+      snprintf(why, 160, "there is no surface, F is %s iso = %g everywhere", b->iso < 0 ? "above" : "below", b->iso);
+    break;
   case SKF_ERR_CAPACITY:
-    return cli_fail(CLI_FAILED,
-                    "body '%s': an edge of %g makes more triangles than the mesher takes, give a larger --edge",
-                    b->name, edge);
-  case SKF_ERR_CANCELLED: return cli_fail(CLI_FAILED, "interrupted, nothing written");
-  default: return cli_fail_status(s, b->name);
+    snprintf(why, 160, "an edge of %g makes more triangles than the mesher takes, give a larger --edge", edge);
+    break;
+  default: snprintf(why, 160, "%s", skf_status_text(s)); return false;
   }
+  return true;
 }
 
-int mesh_body(const skf_body *body, double edge, skf_mesh *mesh, skf_mesh_report *report) {
+skf_status mesh_body(const skf_body *body, double edge, skf_mesh *mesh, skf_mesh_report *report) {
   skf_mesh_options options = {.edge = edge, .progress = cli_progress("mesh")};
   skf_status s = skf_mesh_field(body->field, body->iso, &options, mesh, report);
   cli_progress_end();
-  return s ? failed(body, s, report->edge > 0 ? report->edge : edge) : CLI_DONE;
+  return s;
 }
 
 void mesh_warn(const skf_body *body, const skf_mesh_report *r) {

@@ -5,8 +5,11 @@
 
 #include "cli.h"
 
-/* Meshes one body, with a progress bar; on failure the message is out and a status of the program is returned. */
-int mesh_body(const skf_body *body, double edge, skf_mesh *mesh, skf_mesh_report *report);
+/* Meshes one body, with a progress bar. */
+skf_status mesh_body(const skf_body *body, double edge, skf_mesh *mesh, skf_mesh_report *report);
+
+/* Why mesh_body failed with status s, for an edge that was given (or 0); false where it is not the surface's fault. */
+bool mesh_why(const skf_body *body, skf_status s, double edge, const skf_mesh_report *report, char why[160]);
 
 /* Says what the mesher had to leave undone. */
 void mesh_warn(const skf_body *body, const skf_mesh_report *report);

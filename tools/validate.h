@@ -39,8 +39,8 @@ bool section_ok(const section *s);
 void section_print(const section *s, FILE *f);
 void section_json(const section *s, cli_json *j);
 
-/* Adds the checks of a mesh by itself. */
-skf_status validate_mesh(const skf_mesh *mesh, section *s);
+/* Adds the checks of a mesh by itself; `around`: of the mesh turned over, since it is the outside that it encloses. */
+skf_status validate_mesh(const skf_mesh *mesh, bool around, section *s);
 /* Adds the checks of a body's mesh against its field: distance, rays, volume. */
 skf_status validate_against_field(const skf_body *body, const skf_mesh *mesh, const skf_mesh_report *made, section *s);
 /* Adds the checks of a body's skeleton. */

@@ -76,6 +76,40 @@ expect_status "an endless surface fails" 1
 expect_err "it says why" "body 'ground': .*reaches to infinity"
 expect_nothing_written "and writes nothing"
 
+
+# The surface is a sphere; it is the outside, F < iso, that it encloses.
+write hole.yaml <<'END'
+skelfield: 1
+bodies:
+  - name: hole
+    iso: -1
+    kernel: {type: cauchy, s: 1}
+    skeleton: [point: {at: [0, 0, 0], strength: -2}]
+END
+run mesh hole.yaml -o hole.off
+expect_status "a body around its surface" 0
+expect_err "its mesh encloses the outside" 'area 5\.2.*, volume -1\.11'
+sed 's/-2}/2}/' hole.yaml >above.yaml
+run mesh above.yaml -o a.ply
+expect_status "no surface below 0 fails" 1
+expect_err "it says why" "body 'hole': there is no surface, F is above iso = -1 everywhere"
+write far.yaml <<'END'
+skelfield: 1
+bodies:
+  - name: two
+    iso: 0.5
+    kernel: {type: quartic, R: 1}
+    skeleton:
+      - point: {at: [0, 0, 0]}
+      - point: {at: [100000, 0, 0]}
+END
+for edge in "" "--edge 0.05"; do
+  run mesh far.yaml -o far.off $edge
+  expect_status "parts far apart ${edge:-by default}" 0
+  expect_err "both are there" '2 components, genus 0'
+  expect_err "their volume is right" 'volume 1\.32'
+done
+
 mkdir below
 cp one.off below/ball.off
 write below/solid.yaml <<'END'

@@ -141,4 +141,74 @@ expect_out "triangles overlap, or there is no CGAL" '(FAIL +triangles apart .*li
 sed 's/\[0.25, 0.25, 0\], \[3, 0.25, 0\], \[0.25, 3, 0\]/[2, 0, 0], [2, 2, 0], [0, 2, 0]/' plates.yaml >fine.yaml
 run validate fine.yaml --edge 0.3
 expect_status "triangles that share an edge are sound" 0
+
+# Surfaces without a mesh fail their check; the others are reported, one JSON object or text.
+write some.yaml <<'END'
+skelfield: 1
+bodies:
+  - name: ball
+    iso: 0.5
+    kernel: {type: cauchy, s: 1}
+    skeleton: [point: {at: [0, 0, 0]}]
+  - name: ground
+    iso: 1
+    kernel: {type: cauchy, s: 1}
+    skeleton: [plane: {through: [0, 0, 0], normal: [0, 1, 0]}]
+  - name: high
+    iso: 5
+    kernel: {type: cauchy, s: 1}
+    skeleton: [point: {at: [0, 0, 0]}]
+  - name: hole
+    iso: -1
+    kernel: {type: cauchy, s: 1}
+    skeleton: [point: {at: [0, 0, 0], strength: -2}]
+END
+run validate some.yaml --edge 0.1
+expect_status "surfaces without a mesh" 1
+expect_out "an endless one" 'FAIL +meshed +.*reaches to infinity'
+expect_out "one that is not there" 'FAIL +meshed +there is no surface'
+expect "and nothing else fails" [ "$(grep -c '^  FAIL' "$kept/out")" = 2 ]
+expect_out "the others are reported" '^surface of hole, F = -1, '
+expect_out "a body around its surface is turned over" 'note +turned over'
+run validate some.yaml --edge 0.1 --json
+expect_status "as JSON" 1
+expect_no_err "without talk"
+expect_out "it says so" '"ok": *false'
+expect_out "the check is there" '"name": *"meshed"'
+expect_out "and the others" '"title": *"surface of hole, F = -1, '
+
+# A gap of 0.061 that the mesh bridges.
+write gap.yaml <<'END'
+skelfield: 1
+bodies:
+  - name: gap
+    iso: 0.4
+    kernel: {type: cauchy, s: 2}
+    skeleton:
+      - segment: {from: [-1, 0, 0], to: [1, 0, 0]}
+      - point: {at: [0, 1, 0], strength: 0.6}
+END
+for edge in 0.2 0.15; do
+  run validate gap.yaml --edge $edge
+  expect_status "a gap that is bridged at $edge" 1
+  expect_out "it is found" 'FAIL +faces follow it +[1-9]'
+done
+run validate gap.yaml --edge 0.1
+expect_status "a gap that is resolved" 0
+expect_out "there are two parts" 'components +2$'
+
+# A quadrature over the whole box would tell nothing.
+write far.yaml <<'END'
+skelfield: 1
+bodies:
+  - name: two
+    iso: 0.5
+    kernel: {type: quartic, R: 1}
+    skeleton: [point: {at: [0, 0, 0]}, point: {at: [1000, 0, 0]}]
+END
+run validate far.yaml
+expect_status "parts far apart are sound by default" 0
+expect_close "the volume is that of two balls" "$(sed -nE 's/^ +volume by quadrature +([0-9.]+) .*/\1/p' "$kept/out")" 1.327917 3e-3
+run validate far.yaml --edge 0.83
+expect_status "too coarse a mesh of them is not" 1
 tap_done
