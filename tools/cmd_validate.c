@@ -163,9 +163,10 @@ static const char notes[] =
     "Of a scene, each body's skeleton is checked for degenerate, duplicate and overlapping primitives,\n"
     "the meshes of its solids as above,\n"
     "and its surface is meshed, checked likewise, and compared with its field: distance of the vertices,\n"
-    "and of the faces' insides, rays through CGAL's AABB tree against the ray solver, volume against a\n"
-    "quadrature. A surface that has no closed mesh fails its check. Of a body around its surface (see\n"
-    "mesh) what is checked is the outside, which the surface encloses.\n"
+    "and of the faces' insides (up to one in 200 that bridges what is narrower than itself is only noted),\n"
+    "rays through CGAL's AABB tree against the ray solver, volume against a quadrature. A surface that has\n"
+    "no closed mesh fails its check. Of a body around its surface (see mesh) what is checked is the\n"
+    "outside, which the surface encloses.\n"
     "Exit status 1 when a check fails.\n"
     "example: skelfield validate data/donut.yaml";
 
