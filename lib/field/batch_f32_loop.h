@@ -253,19 +253,19 @@ static inline void tile_end(const tile_sum *t, size_t n, float *const sum[4], bo
     for (size_t i = 0; i < n; i += SKF_LANES) {                                                                        \
       const skf_v3d x = points_load(in, i);                                                                            \
       const skf_vd zero = vd_set(0);                                                                                   \
-      skf_vvalue before = {zero, {zero, zero, zero}, vi_set(-1)}, all;                                                 \
-      if (more)                                                                                                        \
-        before = (skf_vvalue){                                                                                         \
-            vd_load(out[0] + i), {vd_load(out[1] + i), vd_load(out[2] + i), vd_load(out[3] + i)}, vi_set(-1)};         \
-      all = before;                                                                                                    \
+      const skf_vvalue none = {zero, {zero, zero, zero}, vi_set(-1)};                                                  \
+      skf_vvalue all = none;                                                                                           \
       SKF_ROLLED for (size_t j = 0; j < count; j++) name##_onto(row + j, &x, &all);                                    \
       if (__builtin_expect(!vi_all(all.good), 0)) {                                                                    \
         const skf_v3d there = x;                                                                                       \
-        skf_vvalue w = before;                                                                                         \
+        skf_vvalue w = none;                                                                                           \
         name##_careful(tile, row, &there, &w);                                                                         \
         all = w;                                                                                                       \
       }                                                                                                                \
-      vv_put(&all, out, i);                                                                                            \
+      if (more)                                                                                                        \
+        vv_add((loop_factor){vd_set(1), vd_set(1)}, &all, out, i);                                                     \
+      else                                                                                                             \
+        vv_put(&all, out, i);                                                                                          \
     }                                                                                                                  \
   }
 

@@ -9,7 +9,7 @@ SKF_INLINE void row_load(skf_vd *row, size_t n, const double *column, size_t j) 
   for (size_t k = 0; k < n; k++) row[k] = vd_load(column + k * SKF_TILE + j);
 }
 
-/* What an element's F and gradient are multiplied with */
+/* The strength */
 SKF_INLINE loop_factor loop_factor_of(const skf_tile *tile, size_t j, const double *scale) {
   (void)scale;
   return (loop_factor){vd_set(tile->column[j]), vd_set(tile->column[j])};

@@ -138,11 +138,9 @@ SKF_INLINE skf_vi vd_gaussian_gone(skf_vd c, skf_vd x) {
 }
 
 #ifdef SKF_VEC_FLOAT
-/* About points in floats 2^24 times that, which reaches down to where neither F nor the gradient matters, and 0 beyond:
-   narrow kernels among many are mostly far. Good unless infinite or NaN. */
-#define VD_GAUSSIAN_LIFT 24
-SKF_INLINE skf_vpower vd_gaussian_begin(skf_vd c, skf_vd x) {
-  const skf_vd shift = vd_set(VD_EXP2_SHIFT + VD_GAUSSIAN_LIFT), whole = vd_fma(c, x, shift);
+/* About points in floats 2^lift times that, and 0 beyond; shift: VD_EXP2_SHIFT + lift. Good unless infinite or NaN. */
+SKF_INLINE skf_vpower vd_gaussian_begin(skf_vd c, skf_vd x, skf_vd shift) {
+  const skf_vd whole = vd_fma(c, x, shift);
   return (skf_vpower){whole, vd_fms(c, x, whole - shift), vd_set(0)};
 }
 SKF_INLINE skf_vi vd_gaussian_end(const skf_vpower *e, skf_vd *h) {
@@ -150,7 +148,6 @@ SKF_INLINE skf_vi vd_gaussian_end(const skf_vpower *e, skf_vd *h) {
   return e->whole > vd_set(-INFINITY);
 }
 #else
-#define VD_GAUSSIAN_LIFT 0
 SKF_INLINE skf_vi vd_gaussian_end(const skf_vpower *e, skf_vd *h) {
   *h = vd_exp2_end(e);
   return vd_gaussian_near(e);

@@ -52,23 +52,26 @@ SKF_INLINE skf_vi cauchy_point_of(const point_row *c, size_t n, const skf_vd *w,
   return good;
 }
 
-/* exp(-a^2 w) = 2^((exponent + low) w) */
+/* exp(-a^2 w) = 2^((exponent + low) w); in floats low is the shift, whose lift the strengths have in them */
 typedef struct gaussian_row {
   skf_v3d at;
   skf_vd exponent, low, strength, slope;
 } gaussian_row;
 
 static double *gaussian_pack(const skf_prepared *e, double *k) {
-  double aa = e->kernel.param * e->kernel.param;
+  double aa = e->kernel.param * e->kernel.param, strength = e->strength;
   k = pack_exponent_low(pack3(k, e->primitive.point.at), e->kernel.param);
-  const double strength = ldexp(e->strength, -VD_GAUSSIAN_LIFT);
+#ifdef SKF_VEC_FLOAT /* down to where neither F nor the gradient matters: narrow kernels among many are mostly far */
+  const int lift = (int)fmin(fmax(4 + log2(fabs(strength) * (1 + e->kernel.param)), 0), 120);
+  k[-1] = (double)VD_EXP2_SHIFT + lift, strength = ldexp(strength, -lift);
+#endif
   return pack1(pack1(k, strength), 2 * aa * strength);
 }
 
 typedef skf_vpower gaussian_point_state;
 SKF_INLINE void gaussian_point_begin(const gaussian_row *c, skf_vd w, skf_vpower *s) {
 #ifdef SKF_VEC_FLOAT
-  *s = vd_gaussian_begin(c->exponent, w);
+  *s = vd_gaussian_begin(c->exponent, w, c->low);
 #else
   *s = vd_exp2_begin_low(c->exponent, c->low, w);
 #endif

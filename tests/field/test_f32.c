@@ -179,7 +179,7 @@ static void test_bent(void **state) {
     }
     skf_field *f = make(&e, 1);
     eval(f, v3(0, 0, 0), 1);
-    const double size = fmax(v3_norm(arc->start) * 0.05, box_diagonal(skf_primitive_bounds(&e.primitive)));
+    const double size = fmax(0.05, box_diagonal(skf_primitive_bounds(&e.primitive)));
     for (int i = 0; i < POINTS; i++) {
       const double moved = 4 * ulp * fmax(1.7 * size, v3_norm(local(i)));
       if (skf_primitive_distance(&e.primitive, local(i)) < 8 * moved) continue;
@@ -362,6 +362,51 @@ static void test_sum(void **state) {
   skf_field_free(sizes);
 }
 
+/* Many equal terms, which round alike: tiles are summed apart. */
+static void test_ring(void **state) {
+  (void)state;
+  enum { N = 200 };
+  skf_element e[N];
+  for (int k = 0; k < SKF_KERNEL_COUNT; k++) {
+    const skf_kernel_type kernel = (skf_kernel_type)k;
+    double worst = 0;
+    for (int i = 0; i < N; i++) {
+      const double turn = 2 * SKF_PI * i / N;
+      e[i] = (skf_element){.kernel = {kernel, skf_kernel_get(kernel)->compact ? 4 : 0.7, NULL}, .strength = 0.7};
+      e[i].primitive.shape = SKF_POINT, e[i].primitive.point.at = v3(cos(turn), sin(turn), 0);
+    }
+    for (int i = 0; i < POINTS; i++) p[0][i] = p[1][i] = 0, p[2][i] = (float)(0.3 * (i + 1) / POINTS);
+    skf_field *f = make(e, N);
+    eval(f, v3(0, 0, 0), 1);
+    for (int i = 0; i < POINTS; i++) worst = fmax(worst, fabs((double)F[i] / skf_field_at(f, local(i), NULL) - 1));
+    print_message("%s, %d points: %.1f units\n", skf_kernel_get(kernel)->name, N, worst / ulp);
+    assert_true(worst <= 10 * ulp);
+    skf_field_free(f);
+  }
+}
+
+/* Gaussian points that are weak beside another, wide, or narrow and seen from many widths away */
+static void test_gaussians(void **state) {
+  (void)state;
+  static const double cases[][3] = {
+      {1, 1e-33, 0.5}, {1, 1e-35, 0.5}, {1e-17, 1, 1}, {1e10, 1, 1.02e-9}, {1e16, 1, 1.02e-15}};
+  for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+    const double a = cases[n][0], units = 40 + 16 * a * a * cases[n][2] * cases[n][2];
+    skf_element e[2] = {{.kernel = {SKF_GAUSSIAN, a, NULL}, .strength = cases[n][1]},
+                        {.kernel = {SKF_GAUSSIAN, 1, NULL}, .strength = 1}};
+    e[0].primitive.shape = e[1].primitive.shape = SKF_POINT;
+    e[1].primitive.point.at = v3(50, 0, 0);
+    for (int i = 0; i < POINTS; i++) p[0][i] = (float)cases[n][2], p[1][i] = p[2][i] = 0;
+    skf_field *f = make(e, cases[n][1] < 1 ? 2 : 1);
+    skf_vec3 G;
+    eval(f, v3(0, 0, 0), 1);
+    const double want = skf_field_at(f, local(0), &G);
+    if (fabs(want) > 1e-36) check_close((double)F[0], want, units * ulp);
+    check_close((double)g[0][0], G.x, units * ulp);
+    skf_field_free(f);
+  }
+}
+
 /* Where floats overflow the gradient does so too, wherever the point is in its batch and whatever is asked for. */
 static void test_overflow(void **state) {
   (void)state;
@@ -382,9 +427,10 @@ static void test_overflow(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_pairs),     cmocka_unit_test(test_wide),    cmocka_unit_test(test_far_arcs),
-      cmocka_unit_test(test_far),       cmocka_unit_test(test_axis),    cmocka_unit_test(test_bent),
-      cmocka_unit_test(test_triangles), cmocka_unit_test(test_chords),  cmocka_unit_test(test_frame),
-      cmocka_unit_test(test_sum),       cmocka_unit_test(test_overflow)};
+      cmocka_unit_test(test_pairs),     cmocka_unit_test(test_wide),   cmocka_unit_test(test_far_arcs),
+      cmocka_unit_test(test_far),       cmocka_unit_test(test_axis),   cmocka_unit_test(test_bent),
+      cmocka_unit_test(test_triangles), cmocka_unit_test(test_chords), cmocka_unit_test(test_frame),
+      cmocka_unit_test(test_sum),       cmocka_unit_test(test_ring),   cmocka_unit_test(test_gaussians),
+      cmocka_unit_test(test_overflow)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
