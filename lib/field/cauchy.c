@@ -101,10 +101,8 @@ static void arc(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
 }
 
 static void plane(const skf_prepared *e, skf_vec3 x, int order, skf_value *v) {
-  double s = e->kernel.param, z = skf_plane_height(e, x), d[4];
-  eval(s, z * z, d);
-  skf_plane_result(e, SKF_PI / (s * s * (1 + s * s * z * z)), -2 * SKF_PI * z * d[0],
-                   -2 * SKF_PI * (d[0] + 2 * z * z * d[1]), order, v);
+  double s = e->kernel.param, z = skf_plane_height(e, x), ss = s * s, w = ss * z * z, q = 1 + w;
+  skf_plane_result(e, SKF_PI / ss / q, -2 * SKF_PI * (z / q) / q, -2 * SKF_PI * (1 - 4 * (w / q)) / q / q, order, v);
 }
 
 const skf_kernel_ops skf_kernel_cauchy = {

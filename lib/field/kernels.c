@@ -53,7 +53,8 @@ void skf_element_value(const skf_prepared *e, skf_vec3 x, int order, skf_value *
   (closed ? closed : skf_quadrature)(e, x, order, v);
   double sum = v->F + (v->g.x + v->g.y + v->g.z);
   for (int k = 0; k < 6 && order > 1; k++) sum += v->h[k];
-  bool near = fmax(fabs(x.x), fmax(fabs(x.y), fabs(x.z))) < 1e50;
+  bool near = fmax(fabs(x.x), fmax(fabs(x.y), fabs(x.z))) < 1e50; /* of Cauchy's planes F falls like z^-2 only */
+  near |= e->kernel.type == SKF_CAUCHY && e->primitive.shape == SKF_PLANE;
   if (!(e->moderate && near && fabs(sum) < INFINITY) && e->scalable && !e->weight) skf_extreme_value(e, x, order, v);
 }
 

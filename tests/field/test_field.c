@@ -100,6 +100,22 @@ static void test_on_body(void **state) {
   check_close(at(SKF_QUARTIC, SKF_ARC, v3(0, 0, 0), &g, h), SKF_PI * pow(1 - 1 / 2.25, 2), 1e-15);
 }
 
+/* Far over a plane Cauchy's kernel leaves pi s^-4 z^-2, as long as a double can say so, in any direction. */
+static void test_far_plane(void **state) {
+  (void)state;
+  for (double z = 1e10; z < 1e150; z *= 1e7)
+    for (int k = 0; k < 2; k++) {
+      skf_element e = {unit(SKF_PLANE), {SKF_CAUCHY, 1.5}, 1};
+      if (k) e.primitive.plane.normal = v3(1, 2, -2);
+      skf_vec3 g, n = v3_unit(e.primitive.plane.normal);
+      skf_field *f = make(&e, 1);
+      const double F = skf_field_at(f, v3_scale(z, n), &g), want = SKF_PI / 5.0625 / z / z;
+      check_close(F, want, 1e-14);
+      if (z < 1e95) check_close(v3_dot(g, n), -2 * want / z, 1e-14);
+      skf_field_free(f);
+    }
+}
+
 static void test_refusals(void **state) {
   (void)state;
   skf_field *f;
@@ -211,9 +227,9 @@ static void test_batch(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_singular),      cmocka_unit_test(test_on_body), cmocka_unit_test(test_refusals),
-      cmocka_unit_test(test_empty),         cmocka_unit_test(test_sum),     cmocka_unit_test(test_batch),
-      cmocka_unit_test(test_alloc_failure),
+      cmocka_unit_test(test_singular),  cmocka_unit_test(test_on_body),       cmocka_unit_test(test_refusals),
+      cmocka_unit_test(test_far_plane), cmocka_unit_test(test_empty),         cmocka_unit_test(test_sum),
+      cmocka_unit_test(test_batch),     cmocka_unit_test(test_alloc_failure),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
