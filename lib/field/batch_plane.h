@@ -15,7 +15,7 @@ typedef struct plane_row {
   skf_vd offset, offset2, slack, near, axis, at, per_length, param, param2, per_param, per_param2, exponent, F, slope;
 } plane_row;
 
-/* Heights are taken with care where their partial sums are PLANE_CANCEL^(1/2) times as large, if that is also some 350
+/* Heights are taken with care where their partial sums are PLANE_CANCEL^(1/2) times as large, if that is also some 250
    times as large as the kernel is wide. */
 enum { PLANE_CANCEL = 250000 };
 
@@ -51,7 +51,7 @@ static double *plane_pack(const skf_prepared *e, double *k) {
   offset = offset == 0 ? -0. : offset; /* x - offset is never -0 */
   k = pack3(pack3(pack3(k, e->primitive.plane.through), p->raw), unit);
   k = pack3(k, v3_scale(type == SKF_INVERSE_SQUARED ? 1 : type == SKF_GAUSSIAN ? -2 * aa / exponent : -2 * pi, unit));
-  k = pack1(pack1(pack1(k, offset), offset * offset), PLANE_CANCEL / 2. * width2);
+  k = pack1(pack1(pack1(k, offset), offset * offset), PLANE_CANCEL / 4. * width2);
   k = pack1(k, plane_near(F));
   k = pack1(pack1(k, aligned ? axis : -1), aligned ? offset : at);
   k = pack1(pack_parameter(pack1(k, 1 / p->length), e), exponent);
