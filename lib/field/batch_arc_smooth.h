@@ -156,7 +156,8 @@ typedef struct gaussian_ring_row {
 static double *gaussian_ring_pack(const skf_prepared *e, double *k) {
   const double rho = e->plan.arc.radius, a2 = e->kernel.param * e->kernel.param, F = 2 * SKF_PI * rho * e->strength;
   k = pack3(pack3(k, e->primitive.arc.center), e->plan.arc.n);
-  k = pack_exponent_low(pack1(pack1(k, rho), rho * rho), e->kernel.param);
+  const bool fits = fabs(a2 * F) < (double)SKF_PICK(1e307, 1e37); /* else no lane is good */
+  k = pack_exponent_low(pack1(pack1(k, rho), rho * rho), fits ? e->kernel.param : (double)NAN);
   return pack1(pack1(pack1(pack1(pack1(k, a2), 2 * a2 * rho), a2 * rho * rho), F), -2 * a2 * F);
 }
 

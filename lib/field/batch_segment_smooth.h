@@ -225,7 +225,8 @@ typedef struct squared_span_row {
 static double *squared_span_pack(const skf_prepared *e, double *k) {
   k = pack3(segment_pack(e, k), v3_scale(e->strength, e->plan.segment.a));
 #ifdef SKF_VEC_FLOAT
-  const double L = e->strength * e->plan.segment.length;
+  double L = e->strength * e->plan.segment.length;
+  if (fabs(L) < 1e-30) L = 0; /* no lane is good then */
   k = pack1(pack1(k, L), 2 * SQUARED_SPAN_SCALE * L);
 #endif
   return k;
