@@ -290,13 +290,6 @@ SKF_INLINE skf_vd vd_exp2_times(const skf_vpower *e, skf_vd by) {
 #endif
 }
 
-SKF_INLINE skf_vd vd_exp2_product(skf_vd c, skf_vd x) {
-  skf_vpower e = vd_exp2_begin(c, x);
-  vd_exp2_middle(&e);
-  vd_exp2_late(&e);
-  return vd_exp2_end(&e);
-}
-
 /* 2^y of n vectors side by side, stage after stage: so many chains, and no quotients, keep the processor busy where
    nothing else waits; then the fewest products count, not the shortest chain. */
 SKF_INLINE void vd_exp2_each(const size_t n, const skf_vd *y, skf_vd *h) {
