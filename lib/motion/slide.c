@@ -100,7 +100,7 @@ void skf_rail_project(const skf_world *world, const skf_rail *rail, skf_clock t,
     look(world, rail, t, *x, *v, g);
     for (size_t i = 0; i < rail->n; i++) want[i] = g[i].depth, off = fmax(off, fabs(g[i].depth) / g[i].fuzz);
     skf_vec3 d = along_normals(g, rail->n, want);
-    if (!(off > 1.0 / NONE) || !v3_finite(d)) break;
+    if (!(off > 1.0 / NONE) || !(v3_norm(d) <= g[0].size)) break;
     *x = v3_add(*x, d);
   }
   look(world, rail, t, *x, *v, g);
@@ -183,6 +183,12 @@ static double settle(const skf_world *w, const skf_flight_options *o, skf_clock 
   return impulse;
 }
 
+static bool move_alike(const skf_world_body *a, const skf_world_body *b, skf_vec3 p) {
+  const skf_vec3 u = skf_body_velocity(a, p), w = skf_body_velocity(b, p);
+  return v3_dist(v3_scale(a->rate, a->axis), v3_scale(b->rate, b->axis)) == 0 &&
+         v3_dist(u, w) <= NONE * DBL_EPSILON * (v3_norm(u) + v3_norm(w));
+}
+
 skf_outcome skf_slide_strike(const skf_world *world, const skf_flight_options *o, size_t body, skf_clock t, skf_vec3 p,
                              skf_vec3 before, skf_rail *rail, skf_vec3 *after) {
   const skf_world_body *b = world->bodies + body;
@@ -204,6 +210,8 @@ skf_outcome skf_slide_strike(const skf_world *world, const skf_flight_options *o
     skf_rail_project(world, rail, t, &at, &v);
     v = v3_add(s.u, rub(v3_sub(v, s.u), mu * more));
   }
+  for (size_t i = 1; i < rail->n && mu > 0; i++) /* between grounds that move differently friction stops it */
+    if (!move_alike(b, world->bodies + rail->body[i], p)) return rail->n = 0, *after = s.u, SKF_OUTCOME_REST;
   look(world, rail, t, p, v, g);
   bool still = stands(g, rail->n, v3_norm(before) + v3_norm(s.u) + sqrt(v3_norm(a) * s.size));
   if (still && holds(g, rail->n, mu, a)) return rail->n = 0, *after = s.u, SKF_OUTCOME_REST;
@@ -300,7 +308,8 @@ static bool stops(skf_flight *f, double *longest) {
     double slip = v3_norm(g[i].w), left = slip * slip / -v3_dot(dw, g[i].w);
     if (!(slip > 0) || !(left > 0)) continue;
     bool last = 0.5 * slip * left <= STOP * g[i].size || left <= 4 * skf_step_floor(f->orbit.t);
-    if (last && i == 0) return *longest = left, true;
+    /* what is left of the way is nothing; its time may be long: not beyond what the last path is good for */
+    if (last && i == 0) return *longest = left <= f->path.h ? left : 0, true;
     *longest = fmin(*longest, 0.5 * left);
   }
   return false;

@@ -241,6 +241,29 @@ static void grooves_and_corners(void **state) {
   drop_scene(w, fields, 3);
 }
 
+/* Between a ball that turns and one that stands still friction holds it on the one that it meets last. */
+static void between_grounds_that_move(void **state) {
+  (void)state;
+  const skf_element e[2] = {point_at(0.8, 0, 0, newton), point_at(-0.8, 0, 0, newton)};
+  const skf_force weight = {.type = SKF_FORCE_PUSH, .push = {0, 0, -G}};
+  const skf_spin turning = {{1, 0, 0}, {0.8, 0, 0}, 0.5};
+  for (double v = -0.5; v < 0; v += 0.2) {
+    skf_field *fields[2] = {field_of(e, 1), field_of(e + 1, 1)};
+    const skf_attractor bodies[2] = {{fields[0], 1, 0, turning}, {fields[1], 1, 0, still}};
+    skf_world *w;
+    assert_int_equal(skf_world_new_with(bodies, 2, &weight, 1, &w), SKF_OK);
+    skf_flight *f = fly(w, rough(0.3), (skf_state){0, {0.1, 0.02, 2}, {0, v, 0}});
+    skf_contact c = {0};
+    size_t n = 0;
+    skf_state s = state_at(f, 20, &n, &c);
+    assert_in_range(n, 1, 9);
+    assert_int_equal(c.outcome, SKF_OUTCOME_REST);
+    check_close(hypot(s.position.y, s.position.z), 0.6, 1e-13);
+    skf_flight_free(f);
+    drop_scene(w, fields, 2);
+  }
+}
+
 /* A planet 6371 km large, a drop of 3 m: 3.84 m/s upwards, and so on until the ground's own rounding. */
 static void bounces_may_be_small(void **state) {
   (void)state;
@@ -322,6 +345,7 @@ int main(void) {
       cmocka_unit_test(a_turntable_drags),
       cmocka_unit_test(turning_bodies_carry_no_energy),
       cmocka_unit_test(grooves_and_corners),
+      cmocka_unit_test(between_grounds_that_move),
       cmocka_unit_test(bounces_may_be_small),
       cmocka_unit_test(side_by_side_as_alone),
   };
