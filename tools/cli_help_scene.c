@@ -35,12 +35,11 @@ static void put_shape(FILE *f, const skf_shape_info *s) {
 }
 
 void cli_help_scene(FILE *f) {
-  fputs(
-      "A scene is a YAML file. Keys with * are required. Angles are degrees; everything else is in the scene's own\n"
-      "consistent units of length L, time T and mass M; coordinates are right-handed. Coordinates and lengths of "
-      "skeletons\n"
-      "are at most 1e153. What is written once can be used again: anchors (&name), aliases (*name), merge keys (<<).\n",
-      f);
+  fputs("A scene is a YAML file. Keys with * are required. Angles are degrees; everything else is in the scene's own\n"
+        "consistent units of length L, time T and mass M; coordinates are right-handed. Coordinates and lengths of\n"
+        "skeletons are at most 1e153. What is written once can be used again: anchors (&name), aliases (*name), merge\n"
+        "keys (<<).\n",
+        f);
   for (const skf_section *const *s = skf_sections; *s; s++) put_section(f, *s);
   fputs("\nAn entry of a skeleton is one of the following, each of which may also have\n", f);
   put_keys(f, skf_entry_keys, SKF_ENTRY_KEYS);

@@ -152,12 +152,13 @@ static bool is_merge(const builder *b, const skf_node *key) {
   return key->type == SKF_NODE_SCALAR && key->plain && strcmp(skf_node_text(b->y, key), "<<") == 0;
 }
 
-static bool has_key(const builder *b, const skf_node *map, const skf_node *key) {
+/* The map's first key that reads like this one, or NULL */
+static const skf_node *find_key(const builder *b, const skf_node *map, const skf_node *key) {
   for (const skf_node *k = skf_node_first(b->y, map); k; k = skf_node_next(b->y, skf_node_next(b->y, k)))
     if (k->type == SKF_NODE_SCALAR && key->type == SKF_NODE_SCALAR &&
         strcmp(skf_node_text(b->y, k), skf_node_text(b->y, key)) == 0)
-      return true;
-  return false;
+      return k;
+  return NULL;
 }
 
 static skf_status refuse_merge(const builder *b, const skf_node *at, const char *what) {
@@ -169,11 +170,15 @@ static skf_status merge(builder *b, skf_node *map, const skf_node *from, uint32_
   skf_node *nodes = b->y->nodes;
   if (from->type != SKF_NODE_MAP)
     return refuse_merge(b, from, "of something else, expected a mapping or a list of them");
+  for (uint32_t k = from->first; k; k = nodes[nodes[k].next].next)
+    if (nodes[k].type == SKF_NODE_SCALAR && find_key(b, from, nodes + k) != nodes + k)
+      return skf_error_set(b->error, SKF_ERR_PARSE, nodes[k].line, "duplicate key '%s', expected it once",
+                           skf_show(skf_node_text(b->y, nodes + k)).text);
   if (map->count + from->count > MERGED_KEYS) return refuse_merge(b, from, "of a large mapping, expected fewer keys");
   for (uint32_t k = from->first, next; k; k = next) {
     uint32_t value = nodes[k].next;
     next = nodes[value].next;
-    if (has_key(b, map, nodes + k)) continue;
+    if (find_key(b, map, nodes + k)) continue;
     nodes[value].next = 0;
     *(*last ? &nodes[*last].next : &map->first) = k;
     *last = value, map->count++;
@@ -181,11 +186,11 @@ static skf_status merge(builder *b, skf_node *map, const skf_node *from, uint32_
   return SKF_OK;
 }
 
-/* Replaces the merge keys of a map by what it lacks of theirs: its own keys count before, the first of several. */
+/* Replaces the merge key of a map by what it lacks of that: its own keys count before, the first of several. What is
+   merged is taken apart, so nothing else may name it; an alias is a copy. */
 static skf_status merge_all(builder *b, skf_node *map) {
   skf_node *nodes = b->y->nodes;
-  uint32_t merged[8], last = 0;
-  int count = 0;
+  uint32_t merged = 0, end = 0, last = 0;
   for (uint32_t k = map->first, before = 0, next; k; k = next) {
     uint32_t value = nodes[k].next;
     next = nodes[value].next;
@@ -193,18 +198,18 @@ static skf_status merge_all(builder *b, skf_node *map) {
       before = last = value;
       continue;
     }
-    if (count == 8) return refuse_merge(b, nodes + k, "for the ninth time, expected a list of mappings");
-    merged[count++] = value, map->count--;
+    if (merged) return refuse_merge(b, nodes + k, "for the second time, expected one of a list");
+    merged = value, end = next ? next : (uint32_t)b->y->node_count, map->count--;
     *(before ? &nodes[before].next : &map->first) = next;
   }
+  if (!merged) return SKF_OK;
+  for (int i = 0; i < b->anchor_count; i++)
+    if (b->anchors[i].node >= merged && b->anchors[i].node < end)
+      return refuse_merge(b, nodes + b->anchors[i].node, "of what has an anchor (&), expected its alias");
+  const skf_node *from = nodes + merged;
+  if (from->type != SKF_NODE_LIST) return merge(b, map, from, &last);
   skf_status s = SKF_OK;
-  for (int i = 0; i < count && !s; i++) {
-    const skf_node *from = nodes + merged[i];
-    if (from->type != SKF_NODE_LIST)
-      s = merge(b, map, from, &last);
-    else
-      for (uint32_t k = from->first, next; k && !s; k = next) next = nodes[k].next, s = merge(b, map, nodes + k, &last);
-  }
+  for (uint32_t k = from->first, next; k && !s; k = next) next = nodes[k].next, s = merge(b, map, nodes + k, &last);
   return s;
 }
 
