@@ -59,7 +59,10 @@ void cli_signals(void) {
 }
 
 int cli_signal(void) { return caught; }
-void cli_polite(bool on) { polite = on; }
+void cli_polite(bool on) {
+  polite = on;
+  if (!on) alarm(0);
+}
 bool cli_interrupted(void) {
   if (caught) alarm(0);
   return caught != 0;

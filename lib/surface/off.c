@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* OFF: text; "OFF", which may be left out or tell that vertices carry more than their place, counts, vertices,
- * polygons.
- */
+/* OFF: text; "OFF", which may be left out or tell that vertices carry more than their place; counts, vertices, then
+   polygons. */
 #include "surface/files.h"
 #include <string.h>
 
