@@ -104,8 +104,7 @@ static double shrink(skf_element *e, int *power) {
   return skf_primitive_measure(&unit.primitive);
 }
 
-/* n: dimension of F, as a power of the length. */
-static int dimension(const skf_element *e) {
+int skf_element_dimension(const skf_element *e) {
   int kernel = e->kernel.type == SKF_INVERSE ? 1 : e->kernel.type == SKF_INVERSE_SQUARED ? 2 : 0;
   int shape = e->primitive.shape == SKF_POINT ? 0 : e->primitive.shape < SKF_TRIANGLE ? 1 : 2;
   return shape - kernel;
@@ -138,7 +137,7 @@ void skf_extreme_value(const skf_prepared *prepared, skf_vec3 x, int order, skf_
   double width = !info->param ? 0 : info->compact ? e.kernel.param : 1 / e.kernel.param;
   double all = fmax(fmax(largest(x), width), reach(e.primitive));
   if (!(all > 0 && all < INFINITY)) return;
-  int power = exponent(all), n = dimension(&e), own = 0;
+  int power = exponent(all), n = skf_element_dimension(&e), own = 0;
   double measure = 1;
   skf_element_scale(&e, -power);
   x = times(x, -power);

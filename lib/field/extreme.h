@@ -16,5 +16,7 @@ void skf_extreme_value(const skf_prepared *e, skf_vec3 x, int order, skf_value *
 /* Every length times 2^power: places, radii, the kernel's parameter; neither strengths nor solids nor users' kernels.
  */
 void skf_element_scale(skf_element *e, int power);
+/* F of everything c times as large is c^this times F, the strength being the same. */
+int skf_element_dimension(const skf_element *e);
 
 #endif

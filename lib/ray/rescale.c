@@ -15,14 +15,6 @@ static int exponent(double a) {
   return power;
 }
 
-/* F of everything c times as large is c^this times F. */
-static int dimension(const skf_element *e) {
-  skf_kernel_type k = e->kernel.type;
-  skf_shape s = e->primitive.shape;
-  int measure = s == SKF_POINT ? 0 : s == SKF_SEGMENT || s == SKF_ARC ? 1 : 2;
-  return measure - (k == SKF_INVERSE ? 1 : k == SKF_INVERSE_SQUARED ? 2 : 0);
-}
-
 static bool may_scale(const skf_element *e) {
   bool plane = e->primitive.shape == SKF_PLANE;
   return e->primitive.shape != SKF_SOLID && e->kernel.type != SKF_USER_KERNEL &&
@@ -63,7 +55,7 @@ skf_status skf_rescale(const skf_field *f, double iso, int *power, double *copie
   for (size_t i = 0; i < n; i++) {
     const skf_element *e = skf_field_element(f, i);
     if (!may_scale(e)) return SKF_OK;
-    int own = -exponent(e->strength) + dimension(e) * length; /* makes its strength 1 */
+    int own = -exponent(e->strength) + skf_element_dimension(e) * length; /* makes its strength 1 */
     if (iso == 0 && e->strength != 0) value = value == -2000 || own < value ? own : value;
   }
   skf_element *all = skf_alloc(n, sizeof *all);
@@ -72,7 +64,7 @@ skf_status skf_rescale(const skf_field *f, double iso, int *power, double *copie
   for (size_t i = 0; i < n && good; i++) {
     skf_element *e = all + i;
     *e = *skf_field_element(f, i);
-    int by = value - dimension(e) * length;
+    int by = value - skf_element_dimension(e) * length;
     good = e->strength == 0 || fits(e->strength, by);
     e->strength = ldexp(e->strength, by);
     skf_element_scale(e, length);

@@ -86,8 +86,8 @@ static skf_status coarse_boxes(skf_mesher *m, skf_box whole, size_t capacity, sk
     }
   }
   *count = 0;
-  for (size_t i = 0; i < n && !s;
-       i++) { /* a root is the first of its set, so its box is there before the others come */
+  /* a root is the first of its set, so its box is there before the others come */
+  for (size_t i = 0; i < n && !s; i++) {
     size_t root = skf_root_of(parent, i);
     skf_vec3 p = skf_lattice_at(&m->lattice, m->cubes[i]);
     skf_box cell = box_grow((skf_box){p, p}, 0.5 * side * (1 + 1e-9));
