@@ -5,6 +5,9 @@
 
 #include "skelfield/field.h"
 
+/* A field of the same elements with the opposite strengths, to be freed. */
+skf_status skf_field_negative(const skf_field *field, skf_field **out);
+
 skf_envelope skf_kernel_envelope(skf_kernel kernel, double a);
 
 /* The same for an infinite plane of sources, whose field depends on the distance z alone: suprema over z >= a of F (for

@@ -4,6 +4,7 @@
 #include "core/alloc.h"
 #include "core/vec3.h"
 #include "field/bound.h"
+#include "field/envelope.h"
 #include "field/weight.h"
 
 /* Upper bound of F beyond the plane at `c` along axis i, on the positive (sign = 1) or negative side. */
@@ -130,4 +131,14 @@ skf_status skf_field_region(const skf_field *field, double iso, skf_box *out) {
   skf_free(s.leaf);
   if (!left) return SKF_ERR_EMPTY;
   return *out = tight, SKF_OK;
+}
+
+skf_status skf_field_negative(const skf_field *field, skf_field **out) {
+  size_t n = skf_field_size(field);
+  skf_element *e = skf_alloc(n, sizeof *e);
+  if (!e) return SKF_ERR_NOMEM;
+  for (size_t i = 0; i < n; i++) e[i] = *skf_field_element(field, i), e[i].strength = -e[i].strength;
+  skf_status s = skf_field_new(e, n, out);
+  skf_free(e);
+  return s;
 }

@@ -2,6 +2,7 @@
 /* Tracers: a field made ready for rays. */
 #include "core/alloc.h"
 #include "core/vec3.h"
+#include "field/envelope.h"
 #include "ray/rescale.h"
 #include "ray/walk.h"
 #include <float.h>
@@ -54,16 +55,6 @@ static skf_status subfield(const skf_field *field, int sign, skf_field **out) {
   return s;
 }
 
-static skf_status negative(const skf_field *field, skf_field **out) {
-  size_t n = skf_field_size(field);
-  skf_element *e = skf_alloc(n, sizeof *e);
-  if (!e) return SKF_ERR_NOMEM;
-  for (size_t i = 0; i < n; i++) e[i] = *skf_field_element(field, i), e[i].strength = -e[i].strength;
-  skf_status s = skf_field_new(e, n, out);
-  skf_free(e);
-  return s;
-}
-
 /* Many blobs: the octree trims what sticks out of this at once. */
 static bool reach_of_blobs(const skf_tracer *t, skf_box *out) {
   enum { MANY = 40 };
@@ -87,7 +78,7 @@ static skf_status find_region(skf_tracer *t) {
     t->reach = skf_field_region(t->field, t->iso, &t->region);
   } else {
     skf_field *f;
-    skf_status s = negative(t->field, &f);
+    skf_status s = skf_field_negative(t->field, &f);
     if (s) return s;
     t->reach = skf_field_region(f, -t->iso, &t->region);
     skf_field_free(f);

@@ -1,25 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* Where the surface is: a box around all of it, and boxes around parts that are far from each other. */
+#include "field/envelope.h"
 #include "surface/edges.h"
 #include "surface/mesher.h"
 #include <string.h>
-
-static skf_status negative(const skf_field *field, skf_field **out) {
-  size_t n = skf_field_size(field);
-  skf_element *e = skf_alloc(n, sizeof *e);
-  if (!e) return SKF_ERR_NOMEM;
-  for (size_t i = 0; i < n; i++) e[i] = *skf_field_element(field, i), e[i].strength = -e[i].strength;
-  skf_status s = skf_field_new(e, n, out);
-  skf_free(e);
-  return s;
-}
 
 skf_status skf_surface_region(const skf_field *field, double iso, skf_box *out, bool *around) {
   bool turned = iso < 0; /* far away F is 0, which is inside then */
   if (around) *around = turned;
   if (!turned) return skf_field_region(field, iso, out);
   skf_field *f;
-  skf_status s = negative(field, &f);
+  skf_status s = skf_field_negative(field, &f);
   if (s) return s;
   s = skf_field_region(f, -iso, out);
   skf_field_free(f);
