@@ -279,6 +279,15 @@ void skf_flight_moved(skf_flight *f, const skf_orbit *before) {
   f->report.joins += f->blind && passes_join(f);
 }
 
+skf_status skf_flight_tell(skf_flight *f, const skf_touch *at, skf_contact *contact, bool *touched) {
+  skf_contact c;
+  bool silent;
+  skf_status s = skf_flight_touch(f, at, &c, &silent);
+  if (contact) *contact = c;
+  if (touched) *touched = !silent;
+  return s;
+}
+
 /* What the last step meets. */
 static skf_status meet(skf_flight *f, skf_contact *contact, bool *touched) {
   if (f->options.contact == SKF_CONTACT_NONE && !f->near) return SKF_OK;
@@ -287,12 +296,7 @@ static skf_status meet(skf_flight *f, skf_contact *contact, bool *touched) {
   skf_touch at = skf_flight_look(f);
   if (f->near && f->report.contacts == 0) watch(f, at.found ? at.s : 1);
   if (!at.found) return SKF_OK;
-  skf_contact c;
-  bool silent;
-  s = skf_flight_touch(f, &at, &c, &silent);
-  if (contact) *contact = c;
-  if (touched) *touched = !silent;
-  return s;
+  return skf_flight_tell(f, &at, contact, touched);
 }
 
 skf_status skf_flight_step(skf_flight *f, skf_contact *contact, bool *touched) {

@@ -58,6 +58,8 @@ skf_status skf_flight_know_path(skf_flight *f);
 skf_touch skf_flight_look(skf_flight *f);
 /* Cuts the last step at a contact. *silent: a further hop of a slide, not told again. */
 skf_status skf_flight_touch(skf_flight *f, const skf_touch *at, skf_contact *c, bool *silent);
+/* The same for those who ask: either may be NULL; *touched unless it is silent. */
+skf_status skf_flight_tell(skf_flight *f, const skf_touch *at, skf_contact *contact, bool *touched);
 /* Begins anew from the orbit, on the rail if there is one. */
 skf_status skf_flight_restart(skf_flight *f);
 /* It stays at its place on a body. */

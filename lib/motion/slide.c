@@ -370,14 +370,7 @@ skf_status skf_slide_step(skf_flight *f, skf_contact *contact, bool *touched) {
   size_t which = 0;
   double off = takes_off(f, at.found ? at.s : 1, &which);
   if (off < INFINITY) return leave(f, off, which);
-  if (at.found) {
-    skf_contact c;
-    bool silent;
-    s = skf_flight_touch(f, &at, &c, &silent);
-    if (contact) *contact = c;
-    if (touched) *touched = !silent;
-    return s;
-  }
+  if (at.found) return skf_flight_tell(f, &at, contact, touched);
   double h = ((const skf_gauss_radau *)f->work)->h;
   put(f, f->orbit.t, v3_add(f->orbit.x, f->orbit.x_low), v3_add(f->orbit.v, f->orbit.v_low));
   return skf_slide_begin(f, h);
